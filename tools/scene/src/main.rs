@@ -1,0 +1,2 @@
+//! Makes tiled scenes with known holes.
+fn main() {}
