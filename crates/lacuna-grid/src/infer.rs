@@ -1,0 +1,317 @@
+//! The grid from the names and boxes of the tiles (formats.md section 2, "grid inference").
+
+use crate::{CellId, Grid};
+use glam::DVec2;
+use std::collections::BTreeMap;
+use thiserror::Error;
+
+/// Name index and plan box of one tile.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TileBox {
+    /// What messages call the tile.
+    pub name: String,
+    /// Column and row from the name.
+    pub index: Option<(i32, i32)>,
+    /// True if the name wrote the index with signs; unsigned numbers count only if the boxes agree.
+    pub signed: bool,
+    /// South-west corner of the box of its vertices.
+    pub low: DVec2,
+    /// North-east corner.
+    pub high: DVec2,
+}
+
+/// What the user said.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GridHints {
+    /// `--cell-size`.
+    pub cell_size_m: Option<f64>,
+    /// `--cell-origin`.
+    pub origin: Option<DVec2>,
+}
+
+/// A grid and the cell of every tile, in the order of the input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InferredGrid {
+    /// Origin and size.
+    pub grid: Grid,
+    /// Cell of each tile.
+    pub cells: Vec<CellId>,
+    /// True if the cells come from the names, false if from the boxes.
+    pub from_names: bool,
+    /// True if nobody said the cell size: the user should be told the numbers.
+    pub size_inferred: bool,
+    /// True if nobody said the origin.
+    pub origin_inferred: bool,
+}
+
+/// Why there is no grid.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum GridError {
+    /// No tile has a finite vertex.
+    #[error("no tile holds a finite vertex, so no grid can be found; give --cell-size and --cell-origin")]
+    NoBoxes,
+    /// Two tiles lie in one cell.
+    #[error(
+        "tiles {0} and {1} both lie in {2}; leave one of them out, or give --cell-size and --cell-origin if the inferred \
+         grid is wrong"
+    )]
+    TwoTiles(String, String, CellId),
+    /// The flags make no sense.
+    #[error("the cell size must be a positive number of metres, not {0}")]
+    BadSize(f64),
+}
+
+/// Finds origin, size and the cell of every tile.
+///
+/// Steps: names give the index (unsigned ones only if the boxes agree with one grid); size = median over neighbouring
+/// pairs of the step of the box centres' sides over the index step; origin = median of (box middle - index middle).
+/// Without names: size = the largest box side rounded, cells by the box middles.
+///
+/// # Errors
+/// No boxes, two tiles in one cell, or a size that is not positive.
+pub fn infer_grid(tiles: &[TileBox], hints: GridHints) -> Result<InferredGrid, GridError> {
+    if let Some(size) = hints.cell_size_m
+        && !(size.is_finite() && size > 0.0)
+    {
+        return Err(GridError::BadSize(size));
+    }
+    if !tiles.iter().any(has_box) {
+        return Err(GridError::NoBoxes);
+    }
+    let named = tiles.iter().all(|t| t.index.is_some());
+    let signed = named && tiles.iter().all(|t| t.signed);
+    let mut found = None;
+    if named {
+        let grid = grid_from_names(tiles, hints);
+        if signed || boxes_agree(tiles, &grid) {
+            let cells: Vec<CellId> =
+                tiles.iter().filter_map(|t| t.index).map(|(i, j)| CellId::new(i, j)).collect();
+            found = Some((grid, cells, true));
+        }
+    }
+    let (grid, cells, from_names) = found.unwrap_or_else(|| {
+        let grid = grid_from_boxes(tiles, hints);
+        let cells: Vec<CellId> = tiles.iter().map(|t| grid.cell_at((t.low + t.high) / 2.0)).collect();
+        (grid, cells, false)
+    });
+    refuse_two_tiles(tiles, &cells)?;
+    Ok(InferredGrid {
+        grid,
+        cells,
+        from_names,
+        size_inferred: hints.cell_size_m.is_none(),
+        origin_inferred: hints.origin.is_none(),
+    })
+}
+
+fn has_box(tile: &TileBox) -> bool {
+    tile.low.is_finite() && tile.high.is_finite() && tile.low.x <= tile.high.x
+}
+
+fn grid_from_names(tiles: &[TileBox], hints: GridHints) -> Grid {
+    let boxed: Vec<_> = tiles.iter().filter(|t| has_box(t)).collect();
+    let cell_size_m = hints.cell_size_m.unwrap_or_else(|| {
+        let steps = steps_over_indices(&boxed);
+        let widest = boxed.iter().map(|t| (t.high - t.low).max_element()).fold(0.0, f64::max);
+        tidy(median(steps).unwrap_or(widest))
+    });
+    let origin = hints.origin.unwrap_or_else(|| {
+        let axis = |pick: fn(DVec2) -> f64| {
+            // The middle of a full tile is the middle of its cell, whatever the overrun; partly filled tiles at the
+            // scene's edge are outvoted, because their box is smaller.
+            let full: Vec<f64> = boxed
+                .iter()
+                .filter(|t| pick(t.high - t.low) >= 0.98 * cell_size_m)
+                .map(|t| pick((t.low + t.high) / 2.0) - (pick(index_vector(t)) + 0.5) * cell_size_m)
+                .collect();
+            let any =
+                || median(boxed.iter().map(|t| pick(t.low) - pick(index_vector(t)) * cell_size_m).collect());
+            tidy_origin(median(full).or_else(any).unwrap_or(0.0), cell_size_m)
+        };
+        DVec2::new(axis(|v| v.x), axis(|v| v.y))
+    });
+    Grid { origin, cell_size_m }
+}
+
+fn index_vector(tile: &TileBox) -> DVec2 {
+    let (i, j) = tile.index.unwrap_or((0, 0));
+    DVec2::new(f64::from(i), f64::from(j))
+}
+
+/// Steps of equal box sides between tiles that follow each other in a row or column, per index step.
+fn steps_over_indices(tiles: &[&TileBox]) -> Vec<f64> {
+    let mut steps = Vec::new();
+    for axis in 0..2 {
+        let mut lines: BTreeMap<i32, Vec<(i32, f64, f64)>> = BTreeMap::new();
+        for tile in tiles {
+            let (i, j) = tile.index.unwrap_or((0, 0));
+            let (key, order) = if axis == 0 { (j, i) } else { (i, j) };
+            lines.entry(key).or_default().push((order, tile.low[axis], tile.high[axis]));
+        }
+        for line in lines.values_mut() {
+            line.sort_by_key(|t| t.0);
+            for pair in line.windows(2) {
+                let count = f64::from(pair[1].0 - pair[0].0);
+                if count > 0.0 {
+                    steps.extend([(pair[1].1 - pair[0].1) / count, (pair[1].2 - pair[0].2) / count]);
+                }
+            }
+        }
+    }
+    steps.retain(|s| *s > 0.0);
+    steps
+}
+
+fn grid_from_boxes(tiles: &[TileBox], hints: GridHints) -> Grid {
+    let boxed: Vec<_> = tiles.iter().filter(|t| has_box(t)).collect();
+    let widest = boxed.iter().map(|t| (t.high - t.low).max_element()).fold(0.0, f64::max);
+    let cell_size_m = hints.cell_size_m.unwrap_or_else(|| round_size(widest));
+    let low = boxed.iter().fold(DVec2::INFINITY, |m, t| m.min(t.low));
+    // A margin beyond the cell (overrun) moves the lowest corner out by half of what the boxes exceed the cell.
+    let margin = ((widest - cell_size_m) / 2.0).max(0.0);
+    let origin = hints.origin.unwrap_or_else(|| {
+        DVec2::new(tidy_origin(low.x + margin, cell_size_m), tidy_origin(low.y + margin, cell_size_m))
+    });
+    Grid { origin, cell_size_m }
+}
+
+/// True if at least nine of ten tiles lie in the cell of their name, within 2 % of its size.
+fn boxes_agree(tiles: &[TileBox], grid: &Grid) -> bool {
+    let boxed: Vec<_> = tiles.iter().filter(|t| has_box(t)).collect();
+    let slack = 0.02 * grid.cell_size_m;
+    let agree = boxed
+        .iter()
+        .filter(|t| {
+            let low = grid.origin + index_vector(t) * grid.cell_size_m;
+            (t.low - low).min_element() >= -slack && (low + grid.cell_size_m - t.high).min_element() >= -slack
+        })
+        .count();
+    agree * 10 >= boxed.len() * 9
+}
+
+fn refuse_two_tiles(tiles: &[TileBox], cells: &[CellId]) -> Result<(), GridError> {
+    let mut first: BTreeMap<CellId, &str> = BTreeMap::new();
+    for (tile, cell) in tiles.iter().zip(cells) {
+        if let Some(other) = first.insert(*cell, &tile.name) {
+            return Err(GridError::TwoTiles(other.to_owned(), tile.name.clone(), *cell));
+        }
+    }
+    Ok(())
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    if values.is_empty() {
+        return None;
+    }
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    Some(if values.len() % 2 == 1 { values[middle] } else { (values[middle - 1] + values[middle]) / 2.0 })
+}
+
+/// A size within a tenth of a per mille of a millimetre multiple is that multiple.
+fn tidy(size: f64) -> f64 {
+    for digits in [1.0, 10.0, 100.0, 1000.0] {
+        let rounded = (size * digits).round() / digits;
+        if rounded > 0.0 && (size - rounded).abs() <= 1e-4 * size {
+            return rounded;
+        }
+    }
+    size
+}
+
+/// An origin within a thousandth of a cell of a multiple of 0.5 m (1 cm, 1 mm) is that multiple.
+fn tidy_origin(value: f64, cell_size_m: f64) -> f64 {
+    for step in [0.5, 0.01, 0.001] {
+        let rounded = (value / step).round() * step;
+        if (value - rounded).abs() <= (1e-4 * cell_size_m).min(step / 10.0) {
+            return rounded + 0.0;
+        }
+    }
+    value
+}
+
+/// The largest "round" cell size that a box of this width may overrun by up to 2 %.
+fn round_size(widest: f64) -> f64 {
+    let unit = 10f64.powi((widest.log10().floor() as i32) - 1);
+    for step in [10.0, 5.0, 2.5, 1.0] {
+        let size = (widest / (unit * step)).round() * unit * step;
+        if size > 0.0 && (widest - size).abs() <= 0.02 * size {
+            return size;
+        }
+    }
+    widest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tile(index: Option<(i32, i32)>, signed: bool, low: (f64, f64), high: (f64, f64)) -> TileBox {
+        let name = format!("{index:?}{low:?}");
+        TileBox { name, index, signed, low: low.into(), high: high.into() }
+    }
+
+    fn row(overrun: f64, size: f64, origin: f64, signed: bool) -> Vec<TileBox> {
+        (0..4)
+            .flat_map(|i| (0..3).map(move |j| (i, j)))
+            .map(|(i, j)| {
+                let low = (origin + f64::from(i) * size - overrun, origin + f64::from(j) * size - overrun);
+                tile(Some((i, j)), signed, low, (low.0 + size + 2.0 * overrun, low.1 + size + 2.0 * overrun))
+            })
+            .collect()
+    }
+
+    #[test]
+    fn names_and_boxes_give_size_and_origin() {
+        for (name, overrun, size, origin, signed) in [
+            ("exact", 0.0, 250.0, 0.0, true),
+            ("overrun", 0.1, 100.0, 0.0, true),
+            ("odd size, origin far out", 0.193, 200.0, 497_400.0, true),
+            ("unsigned names that agree", 0.0, 50.0, 12.5, false),
+        ] {
+            let found = infer_grid(&row(overrun, size, origin, signed), GridHints::default()).expect(name);
+            assert!((found.grid.cell_size_m - size).abs() < 1e-9, "{name}: {:?}", found.grid);
+            assert!((found.grid.origin - DVec2::splat(origin)).length() < 1e-6, "{name}: {:?}", found.grid);
+            assert!(found.from_names, "{name}");
+            assert_eq!(found.cells[4], CellId::new(1, 1), "{name}");
+        }
+    }
+
+    #[test]
+    fn ragged_outer_tiles_are_outvoted() {
+        let mut tiles = row(0.0, 50.0, 0.0, true);
+        for t in tiles.iter_mut().filter(|t| t.index == Some((3, 0))) {
+            t.high.x -= 36.0;
+        }
+        let found = infer_grid(&tiles, GridHints::default()).expect("grid");
+        assert_eq!(found.grid, Grid { origin: DVec2::ZERO, cell_size_m: 50.0 });
+    }
+
+    #[test]
+    fn unsigned_numbers_that_disagree_with_the_boxes_are_ignored() {
+        let mut tiles = row(0.0, 100.0, 0.0, false);
+        for (k, t) in tiles.iter_mut().enumerate() {
+            t.index = Some((k as i32, 7));
+        }
+        let found = infer_grid(&tiles, GridHints::default()).expect("grid");
+        assert!(!found.from_names);
+        assert_eq!(found.grid.cell_size_m, 100.0);
+    }
+
+    #[test]
+    fn flags_win() {
+        let hints = GridHints { cell_size_m: Some(25.0), origin: Some(DVec2::new(1.0, 2.0)) };
+        let found = infer_grid(&row(0.0, 25.0, 1.0, true), hints).expect("grid");
+        assert_eq!(found.grid, Grid { origin: DVec2::new(1.0, 2.0), cell_size_m: 25.0 });
+        assert!(!found.size_inferred && !found.origin_inferred);
+    }
+
+    #[test]
+    fn what_cannot_be_is_an_error() {
+        let twice = vec![tile(Some((0, 0)), true, (0.0, 0.0), (9.0, 9.0)); 2];
+        assert!(matches!(infer_grid(&twice, GridHints::default()), Err(GridError::TwoTiles(..))));
+        assert_eq!(infer_grid(&[], GridHints::default()), Err(GridError::NoBoxes));
+        let bad = GridHints { cell_size_m: Some(-1.0), origin: None };
+        assert_eq!(infer_grid(&twice, bad), Err(GridError::BadSize(-1.0)));
+    }
+}
