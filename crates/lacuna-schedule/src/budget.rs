@@ -1,0 +1,153 @@
+//! Memory lent in order of asking, given back by `Drop`.
+
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+/// A number of bytes that is lent out and comes back. Clones share the same bytes.
+///
+/// Lending is first come, first served: a large request at the head waits for room, and no small one overtakes it.
+#[derive(Clone, Debug)]
+pub struct MemoryBudget {
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    total_bytes: u64,
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    lent_bytes: u64,
+    peak_bytes: u64,
+    next_ticket: u64,
+    now_serving: u64,
+}
+
+/// Bytes on loan from a [`MemoryBudget`]; dropping it gives them back.
+#[derive(Debug)]
+#[must_use = "a reservation that is dropped at once reserves nothing"]
+pub struct Reservation {
+    shared: Arc<Shared>,
+    bytes: u64,
+}
+
+/// A request above the whole budget: waiting would never end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{needed_bytes} bytes asked of a memory limit of {limit_bytes} bytes; raise --memory")]
+pub struct OverLimit {
+    /// Bytes asked for.
+    pub needed_bytes: u64,
+    /// Bytes of the whole budget.
+    pub limit_bytes: u64,
+}
+
+impl MemoryBudget {
+    /// A budget of `total_bytes`, all of them free.
+    #[must_use]
+    pub fn new(total_bytes: u64) -> Self {
+        let shared = Shared { total_bytes, state: Mutex::default(), changed: Condvar::new() };
+        Self { shared: Arc::new(shared) }
+    }
+
+    /// Waits until all earlier requests are served and `bytes` are free, then lends them.
+    ///
+    /// Never to be called by a worker that holds a reservation: two such workers can wait for each other for ever.
+    ///
+    /// # Errors
+    /// [`OverLimit`], at once, for more than the whole budget. The request is refused and not clamped, for a clamped
+    /// job would use more than it was lent.
+    pub fn acquire(&self, bytes: u64) -> Result<Reservation, OverLimit> {
+        self.check(bytes)?;
+        let mut state = self.shared.lock();
+        let ticket = state.next_ticket;
+        state.next_ticket += 1;
+        while state.now_serving != ticket || !self.fits(&state, bytes) {
+            state = self.shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+        state.now_serving += 1;
+        let reservation = self.lend(&mut state, bytes);
+        drop(state);
+        // The next in the queue may fit as well.
+        self.shared.changed.notify_all();
+        Ok(reservation)
+    }
+
+    /// Lends `bytes` if they are free now and nobody waits; `None` else.
+    ///
+    /// # Errors
+    /// [`OverLimit`] for more than the whole budget.
+    pub fn try_acquire(&self, bytes: u64) -> Result<Option<Reservation>, OverLimit> {
+        self.check(bytes)?;
+        let mut state = self.shared.lock();
+        let free = state.now_serving == state.next_ticket && self.fits(&state, bytes);
+        Ok(free.then(|| self.lend(&mut state, bytes)))
+    }
+
+    /// The whole budget, bytes.
+    #[must_use]
+    pub fn total_bytes(&self) -> u64 {
+        self.shared.total_bytes
+    }
+
+    /// Bytes on loan now.
+    #[must_use]
+    pub fn lent_bytes(&self) -> u64 {
+        self.shared.lock().lent_bytes
+    }
+
+    /// Most bytes that were on loan at one time.
+    #[must_use]
+    pub fn peak_lent_bytes(&self) -> u64 {
+        self.shared.lock().peak_bytes
+    }
+
+    fn check(&self, bytes: u64) -> Result<(), OverLimit> {
+        let limit_bytes = self.shared.total_bytes;
+        if bytes > limit_bytes { Err(OverLimit { needed_bytes: bytes, limit_bytes }) } else { Ok(()) }
+    }
+
+    fn fits(&self, state: &State, bytes: u64) -> bool {
+        bytes <= self.shared.total_bytes - state.lent_bytes
+    }
+
+    fn lend(&self, state: &mut State, bytes: u64) -> Reservation {
+        state.lent_bytes += bytes;
+        state.peak_bytes = state.peak_bytes.max(state.lent_bytes);
+        Reservation { shared: Arc::clone(&self.shared), bytes }
+    }
+}
+
+impl Reservation {
+    /// Bytes on loan.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Gives back all but `bytes`, when the large part of the work is over; does nothing if no more than that is held.
+    pub fn shrink_to(&mut self, bytes: u64) {
+        let back = self.bytes.saturating_sub(bytes);
+        self.bytes -= back;
+        self.shared.give_back(back);
+    }
+}
+
+impl Drop for Reservation {
+    fn drop(&mut self) {
+        self.shared.give_back(self.bytes);
+    }
+}
+
+impl Shared {
+    /// The state is sums only and is whole after every statement, so a panic elsewhere leaves it usable.
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn give_back(&self, bytes: u64) {
+        self.lock().lent_bytes -= bytes;
+        self.changed.notify_all();
+    }
+}
