@@ -5,19 +5,30 @@
 
 mod band;
 mod boundary;
+mod check;
 mod components;
 mod contour;
+mod cotangent;
 mod ids;
 mod loops;
 mod mesh;
 mod places;
+mod polygon;
+mod quality;
 mod turn;
 
 pub use band::{Band, BandVertex, band};
 pub use boundary::{Boundary, BoundaryEdge, BoundaryKind, BoundaryPoint, Defects, boundary};
+pub use check::{PatchDefect, PatchFacts, PlanView, check_patch};
 pub use components::{Component, Components, components};
 pub use contour::{Contour, ContourEdge, ContourRing, ContourVertex, EdgeKind, Patch, Support};
+pub use cotangent::{Clamp, Stiffness, stiffness, stiffness_in_space};
 pub use ids::{FaceId, PointId, VertexId};
 pub use loops::{BoundaryLoop, BoundaryLoops, loops};
 pub use mesh::{Bounds, TriMesh};
 pub use places::{is_same_place, position_bits};
+pub use polygon::{
+    EdgePair, Location, Meeting, contains, find_crossings, find_meetings, is_simple, perimeter,
+    segments_cross, side_of_line, signed_area,
+};
+pub use quality::{QualityStats, smallest_angle_deg, triangle_quality};

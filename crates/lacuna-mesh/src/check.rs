@@ -1,0 +1,281 @@
+//! What every patch must be.
+
+use crate::polygon::side_of_line;
+use crate::{Contour, Patch};
+use glam::DVec3;
+use thiserror::Error;
+
+/// A triangle whose height is below this share of its longest side has no usable shape.
+const LEAST_HEIGHT_SHARE: f64 = 1e-7;
+
+/// Whether a patch is judged in plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlanView {
+    /// Every triangle must run counter-clockwise seen from above.
+    Judged,
+    /// Vertical and overhanging triangles are allowed.
+    NotJudged,
+}
+
+/// Counts of a sound patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PatchFacts {
+    /// Vertices: the contour's and the new ones.
+    pub vertices: usize,
+    /// Undirected edges.
+    pub edges: usize,
+    /// Triangles.
+    pub triangles: usize,
+    /// Sum of the triangles' areas in space, square metres.
+    pub area_m2: f64,
+}
+
+/// Why a patch may not be used. Vertices are numbered as in [`Patch::triangles`], triangles by place in it.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PatchDefect {
+    /// A position with NaN or infinity.
+    #[error("vertex {vertex} is not finite: leave the hole open")]
+    NotFinite {
+        /// Which vertex.
+        vertex: u32,
+    },
+    /// A corner that is neither on the contour nor new.
+    #[error(
+        "triangle {triangle} names vertex {vertex}, but there are only {count}: the filler's numbering is wrong"
+    )]
+    OutOfRange {
+        /// Which triangle.
+        triangle: usize,
+        /// The index found there.
+        vertex: u32,
+        /// How many vertices there are.
+        count: usize,
+    },
+    /// A vertex that no triangle uses.
+    #[error(
+        "vertex {vertex} is in no triangle: the filler must use every contour vertex and drop spare ones of its own"
+    )]
+    Unused {
+        /// Which vertex.
+        vertex: u32,
+    },
+    /// A triangle without usable area.
+    #[error("triangle {triangle} is flat: its height is under 1e-7 of its longest side")]
+    Degenerate {
+        /// Which triangle.
+        triangle: usize,
+    },
+    /// A triangle that runs clockwise, or has no area, seen from above.
+    #[error("triangle {triangle} is turned over seen from above")]
+    TurnedOver {
+        /// Which triangle.
+        triangle: usize,
+    },
+    /// Two triangles with the same corners, in whatever direction.
+    #[error("triangles {first} and {second} have the same corners")]
+    Duplicate {
+        /// The earlier triangle.
+        first: usize,
+        /// The later triangle.
+        second: usize,
+    },
+    /// A contour edge that not exactly one triangle runs along, in the contour's direction.
+    #[error(
+        "contour edge {from}-{to} has {along} triangles along it and {against} against it: the patch must join the rim once"
+    )]
+    ContourEdge {
+        /// Start of the edge.
+        from: u32,
+        /// End of the edge.
+        to: u32,
+        /// Triangles that run in the contour's direction (should be 1).
+        along: usize,
+        /// Triangles that run against it (should be 0).
+        against: usize,
+    },
+    /// An inner edge that has not exactly two triangles in opposite directions.
+    #[error(
+        "inner edge {from}-{to} has {along} triangles along it and {against} against it: it must have one each way"
+    )]
+    InnerEdge {
+        /// Smaller vertex.
+        from: u32,
+        /// Larger vertex.
+        to: u32,
+        /// Triangles that run from the smaller to the larger vertex.
+        along: usize,
+        /// Triangles that run the other way.
+        against: usize,
+    },
+    /// A patch edge that the original mesh already has.
+    #[error("inner edge {from}-{to} is an edge of the original mesh: insert a vertex on it")]
+    ForbiddenEdge {
+        /// Smaller vertex.
+        from: u32,
+        /// Larger vertex.
+        to: u32,
+    },
+    /// Not a disk with one hole for each island.
+    #[error("the patch has Euler number {found}, but a disk with these islands has {expected}")]
+    EulerNumber {
+        /// V - E + F of the patch.
+        found: i64,
+        /// 1 - number of islands.
+        expected: i64,
+    },
+}
+
+/// Checks that `patch` closes `contour`: in this order, (1) all positions finite, indices in range, every vertex used;
+/// (2) no flat triangle, none turned over in plan (if judged, exact), no two with the same corners; (3) each contour
+/// edge used once in the contour's direction, each other edge once in either direction, none of them forbidden;
+/// (4) V - E + F = 1 - number of islands.
+///
+/// # Errors
+/// The first defect found, in the order above and by lowest number within each.
+///
+/// Source: algorithm note, section E.8.
+pub fn check_patch(contour: &Contour, patch: &Patch, plan: PlanView) -> Result<PatchFacts, PatchDefect> {
+    let mut positions = contour.positions();
+    positions.extend_from_slice(&patch.vertices);
+    check_indices(&positions, &patch.triangles)?;
+    for (t, triangle) in patch.triangles.iter().enumerate() {
+        check_shape(t, triangle.map(|v| positions[v as usize]), plan)?;
+    }
+    check_duplicates(&patch.triangles)?;
+    let edges = check_edges(contour, &patch.triangles)?;
+    let (vertices, triangles) = (positions.len(), patch.triangles.len());
+    check_euler(contour, vertices, edges, triangles)?;
+    let area_m2 = patch.triangles.iter().map(|t| area(t.map(|v| positions[v as usize]))).sum();
+    Ok(PatchFacts { vertices, edges, triangles, area_m2 })
+}
+
+fn check_indices(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), PatchDefect> {
+    if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
+        return Err(PatchDefect::NotFinite { vertex: vertex as u32 });
+    }
+    let count = positions.len();
+    let mut is_used = vec![false; count];
+    for (triangle, corners) in triangles.iter().enumerate() {
+        for &vertex in corners {
+            *is_used.get_mut(vertex as usize).ok_or(PatchDefect::OutOfRange { triangle, vertex, count })? =
+                true;
+        }
+    }
+    match is_used.iter().position(|used| !used) {
+        Some(vertex) => Err(PatchDefect::Unused { vertex: vertex as u32 }),
+        None => Ok(()),
+    }
+}
+
+fn check_shape(triangle: usize, corners: [DVec3; 3], plan: PlanView) -> Result<(), PatchDefect> {
+    let [a, b, c] = corners;
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    // Height over the longest side = 2 area / side; a NaN fails the comparison as it should.
+    let is_shaped = longest > 0.0 && 2.0 * area(corners) / longest >= LEAST_HEIGHT_SHARE * longest;
+    if !is_shaped {
+        return Err(PatchDefect::Degenerate { triangle });
+    }
+    if plan == PlanView::Judged && side_of_line(a.truncate(), b.truncate(), c.truncate()) <= 0.0 {
+        return Err(PatchDefect::TurnedOver { triangle });
+    }
+    Ok(())
+}
+
+fn area([a, b, c]: [DVec3; 3]) -> f64 {
+    (b - a).cross(c - a).length() / 2.0
+}
+
+fn check_duplicates(triangles: &[[u32; 3]]) -> Result<(), PatchDefect> {
+    let mut sorted: Vec<([u32; 3], usize)> = triangles.iter().copied().zip(0..).collect();
+    sorted.iter_mut().for_each(|(corners, _)| corners.sort_unstable());
+    sorted.sort_unstable();
+    let repeated =
+        sorted.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| (pair[0].1, pair[1].1)).min();
+    match repeated {
+        Some((first, second)) => Err(PatchDefect::Duplicate { first, second }),
+        None => Ok(()),
+    }
+}
+
+/// Who runs along an undirected edge; sorted by edge.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct EdgeUse {
+    low: u32,
+    high: u32,
+    user: User,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum User {
+    ContourUp,
+    ContourDown,
+    TriangleUp,
+    TriangleDown,
+}
+
+impl EdgeUse {
+    fn new(from: u32, to: u32, up: User, down: User) -> Self {
+        let user = if from < to { up } else { down };
+        Self { low: from.min(to), high: from.max(to), user }
+    }
+}
+
+/// Checks every edge and returns their number.
+fn check_edges(contour: &Contour, triangles: &[[u32; 3]]) -> Result<usize, PatchDefect> {
+    let mut uses = contour_uses(contour);
+    for &[a, b, c] in triangles {
+        let sides = [(a, b), (b, c), (c, a)];
+        uses.extend(sides.map(|(from, to)| EdgeUse::new(from, to, User::TriangleUp, User::TriangleDown)));
+    }
+    uses.sort_unstable();
+    let mut edges = 0;
+    for edge in uses.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high)) {
+        check_edge(contour, edge)?;
+        edges += 1;
+    }
+    Ok(edges)
+}
+
+fn contour_uses(contour: &Contour) -> Vec<EdgeUse> {
+    let mut uses = Vec::new();
+    let mut first = 0;
+    for ring in contour.rings() {
+        let count = ring.vertices.len() as u32;
+        let edge =
+            |i: u32| EdgeUse::new(first + i, first + (i + 1) % count, User::ContourUp, User::ContourDown);
+        uses.extend((0..count).map(edge));
+        first += count;
+    }
+    uses
+}
+
+/// Checks one undirected edge, given all its uses.
+fn check_edge(contour: &Contour, edge: &[EdgeUse]) -> Result<(), PatchDefect> {
+    let count = |user: User| edge.iter().filter(|u| u.user == user).count();
+    let (low, high) = (edge[0].low, edge[0].high);
+    let (up, down) = (count(User::TriangleUp), count(User::TriangleDown));
+    match (count(User::ContourUp), count(User::ContourDown)) {
+        (0, 0) if (up, down) != (1, 1) => {
+            Err(PatchDefect::InnerEdge { from: low, to: high, along: up, against: down })
+        }
+        (0, 0) if contour.forbidden_edges.binary_search(&[low, high]).is_ok() => {
+            Err(PatchDefect::ForbiddenEdge { from: low, to: high })
+        }
+        (0, 0) => Ok(()),
+        (1, 0) if (up, down) == (1, 0) => Ok(()),
+        (0, 1) if (up, down) == (0, 1) => Ok(()),
+        (0, _) => Err(PatchDefect::ContourEdge { from: high, to: low, along: down, against: up }),
+        _ => Err(PatchDefect::ContourEdge { from: low, to: high, along: up, against: down }),
+    }
+}
+
+fn check_euler(
+    contour: &Contour,
+    vertices: usize,
+    edges: usize,
+    triangles: usize,
+) -> Result<(), PatchDefect> {
+    let found = vertices as i64 - edges as i64 + triangles as i64;
+    let expected = 1 - contour.inner.len() as i64;
+    if found == expected { Ok(()) } else { Err(PatchDefect::EulerNumber { found, expected }) }
+}
