@@ -151,3 +151,89 @@ impl Shared {
         self.changed.notify_all();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{MemoryBudget, OverLimit};
+    use std::thread;
+    use std::time::Duration;
+
+    /// Until `count` requests wait.
+    fn wait_for_queue(budget: &MemoryBudget, count: u64) {
+        let waiting = || {
+            let state = budget.shared.lock();
+            state.next_ticket - state.now_serving
+        };
+        while waiting() != count {
+            thread::yield_now();
+        }
+    }
+
+    #[test]
+    fn a_small_request_does_not_overtake_a_large_one() {
+        let budget = MemoryBudget::new(100);
+        let most = budget.acquire(60).expect("fits");
+        let some = budget.acquire(30).expect("fits");
+        thread::scope(|scope| {
+            let large = scope.spawn(|| budget.acquire(50).expect("within the limit").bytes());
+            wait_for_queue(&budget, 1);
+            let small = scope.spawn(|| budget.acquire(10).expect("within the limit").bytes());
+            wait_for_queue(&budget, 2);
+            assert!(budget.try_acquire(1).expect("within the limit").is_none(), "a try overtook the queue");
+            drop(some);
+            thread::sleep(Duration::from_millis(30));
+            wait_for_queue(&budget, 2);
+            assert_eq!(budget.lent_bytes(), 60, "the small request overtook the large one");
+            drop(most);
+            assert_eq!((large.join().ok(), small.join().ok()), (Some(50), Some(10)));
+        });
+        assert_eq!(budget.lent_bytes(), 0);
+    }
+
+    #[test]
+    fn many_that_fit_are_all_served_by_one_return() {
+        let budget = MemoryBudget::new(90);
+        let all = budget.acquire(90).expect("fits");
+        let barrier = std::sync::Barrier::new(3);
+        thread::scope(|scope| {
+            for _ in 0..3 {
+                // Each keeps its share until all three have one: it hangs if the return woke only one of them.
+                scope.spawn(|| {
+                    let _share = budget.acquire(30).expect("within the limit");
+                    barrier.wait();
+                });
+            }
+            wait_for_queue(&budget, 3);
+            drop(all);
+        });
+        assert_eq!((budget.lent_bytes(), budget.peak_lent_bytes()), (0, 90));
+    }
+
+    #[test]
+    fn what_is_lent_comes_back() {
+        let budget = MemoryBudget::new(100);
+        assert_eq!((budget.total_bytes(), budget.lent_bytes(), budget.peak_lent_bytes()), (100, 0, 0));
+        let mut first = budget.acquire(70).expect("fits");
+        let nothing = budget.acquire(0).expect("fits");
+        assert!(budget.try_acquire(31).expect("within the limit").is_none());
+        first.shrink_to(80);
+        assert_eq!((first.bytes(), budget.lent_bytes()), (70, 70), "shrinking never grows");
+        first.shrink_to(20);
+        assert_eq!((first.bytes(), budget.lent_bytes()), (20, 20));
+        let second = budget.try_acquire(80).expect("within the limit").expect("free");
+        assert_eq!((second.bytes(), nothing.bytes(), budget.lent_bytes()), (80, 0, 100));
+        drop((first, second, nothing));
+        assert_eq!((budget.lent_bytes(), budget.peak_lent_bytes()), (0, 100));
+    }
+
+    #[test]
+    fn more_than_the_whole_is_refused_at_once() {
+        for (limit_bytes, needed_bytes) in [(0, 1), (99, 100), (100, u64::MAX)] {
+            let budget = MemoryBudget::new(limit_bytes);
+            let expected = OverLimit { needed_bytes, limit_bytes };
+            assert_eq!(budget.acquire(needed_bytes).err(), Some(expected));
+            assert_eq!(budget.try_acquire(needed_bytes).err(), Some(expected));
+            assert_eq!(budget.lent_bytes(), 0);
+        }
+    }
+}
