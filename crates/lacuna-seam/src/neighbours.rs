@@ -124,3 +124,55 @@ fn by_position(a: &Entry, b: &Entry) -> Ordering {
     let (p, q) = (a.position, b.position);
     p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(p.z.total_cmp(&q.z)).then(a.rank.cmp(&b.rank))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Neighbour, Neighbours};
+    use crate::smooth::SeamVertex;
+    use glam::{DVec2, DVec3};
+    use proptest::prelude::*;
+
+    /// The same by looking at every point: (strip?, index), sorted.
+    fn by_search(border: &[SeamVertex], strips: &[DVec3], index: usize, buffer_m: f64) -> Vec<(bool, usize)> {
+        let near = |plan: DVec2| plan.distance_squared(border[index].plan) <= buffer_m * buffer_m;
+        let others = (0..border.len()).filter(|&other| other != index && near(border[other].plan));
+        let points = (0..strips.len()).filter(|&point| near(strips[point].truncate()));
+        others.map(|other| (false, other)).chain(points.map(|point| (true, point))).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn the_grid_finds_what_a_full_search_finds(
+            // Places in eighths of a metre, so that many lie exactly at the buffer's end.
+            border in prop::collection::vec((-40_i32..40, -8_i32..8, any::<bool>()), 1..30),
+            strips in prop::collection::vec((-40_i32..40, -8_i32..8), 0..60),
+            eighths in 1_i32..30,
+            shift in prop::sample::select(vec![0.0, 5e5, -5e5, 8e7]),
+        ) {
+            let plan = |x: i32, y: i32| DVec2::new(shift + f64::from(x) / 8.0, f64::from(y) / 8.0 - shift);
+            let border: Vec<SeamVertex> = border
+                .iter()
+                .map(|&(x, y, frozen)| SeamVertex { plan: plan(x, y), z: 1.0, frozen })
+                .collect();
+            let strips: Vec<DVec3> = strips.iter().map(|&(x, y)| plan(x, y).extend(2.0)).collect();
+            let buffer_m = f64::from(eighths) / 8.0;
+            let neighbours = Neighbours::find(&border, &strips, buffer_m);
+            for (index, vertex) in border.iter().enumerate() {
+                let mut found: Vec<(bool, usize)> = neighbours
+                    .of(index)
+                    .iter()
+                    .map(|neighbour| match *neighbour {
+                        Neighbour::Border(other) => (false, other),
+                        Neighbour::Strip(point) => (true, point),
+                    })
+                    .collect();
+                found.sort_unstable();
+                let expected =
+                    if vertex.frozen { Vec::new() } else { by_search(&border, &strips, index, buffer_m) };
+                prop_assert_eq!(found, expected);
+            }
+        }
+    }
+}
