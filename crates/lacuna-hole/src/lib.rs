@@ -1,1 +1,26 @@
-//! lacuna-hole
+//! From the boundary of each cell to classified holes, clusters and layers: the plan.
+//!
+//! The plan is decided on surveys alone (about one per cent of the bytes). Steps, each a file of its own:
+//! survey of a cell -> how tiles meet their borders -> edge labels -> chains and coverage -> perimeter walk -> closed
+//! loops and islands -> classes -> borders seen from both cells -> clusters -> layers.
+
+mod classify;
+mod closed;
+mod cluster;
+mod coverage;
+mod cut;
+mod fit;
+mod label;
+mod layer;
+mod outline;
+mod plan;
+mod shared;
+mod survey;
+mod walk;
+
+pub use classify::{HoleClass, HoleShape};
+pub use closed::NotHole;
+pub use cluster::ClusterRule;
+pub use fit::{BorderFit, BorderMode, fit_borders};
+pub use plan::{Anchor, Curve, CurveKind, Hole, HoleCluster, Leave, Piece, Plan, PlanOptions, Span, plan};
+pub use survey::{CellSurvey, LoopSurvey, Surveys, survey};

@@ -1,0 +1,81 @@
+//! Closed loops: holes, outlines of loose pieces, and what only looks like a hole (algorithms note A.2, B.5, B.7).
+
+use crate::{CellSurvey, LoopSurvey};
+use glam::DVec2;
+use lacuna_mesh::{Location, contains};
+use serde::{Deserialize, Serialize};
+
+/// Mean width below which a loop is a slit, metres.
+const SLIT_WIDTH_M: f64 = 0.005;
+
+/// What only looks like a hole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NotHole {
+    /// Two rims that touch all along.
+    Slit,
+    /// The mouth of a tube: a passage, a courtyard, a shaft; its rim's triangles stand across the opening.
+    Passage,
+    /// The outline of a loose piece of surface.
+    Floater,
+    /// A cut inside the tile whose two sides do not weld.
+    InnerCut,
+    /// The outline of an overhang at the cell's border.
+    Overhang,
+}
+
+/// What a closed loop is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum LoopKind {
+    Hole,
+    /// An outline of a piece of surface seen from above: an island if it lies inside a hole.
+    Outline,
+    Not(NotHole),
+}
+
+/// Judges one closed loop by its vector area and the triangles behind it.
+pub(crate) fn judge_loop(l: &LoopSurvey) -> LoopKind {
+    let area = l.vector_area.length();
+    if 2.0 * area < SLIT_WIDTH_M * l.length_m {
+        return LoopKind::Not(NotHole::Slit);
+    }
+    if l.sheetness <= -0.3 {
+        // The triangles behind face against the loop's own side: the loop runs round a piece of surface.
+        return if l.vector_area.z < -0.15 * area {
+            LoopKind::Outline
+        } else {
+            LoopKind::Not(NotHole::Floater)
+        };
+    }
+    if l.sheetness < 0.3 {
+        return if l.vector_area.z < -0.15 * area {
+            LoopKind::Outline
+        } else {
+            LoopKind::Not(NotHole::Passage)
+        };
+    }
+    if l.vector_area.z < -0.15 * area {
+        // A hole in a sheet that faces down: the underside of a bridge or balcony.
+        return LoopKind::Not(NotHole::Overhang);
+    }
+    LoopKind::Hole
+}
+
+/// True if the loop's component is debris: too small to be an island (algorithms note A.4, relative to the rim edge).
+pub(crate) fn is_debris(survey: &CellSurvey, component: u32) -> bool {
+    let Some(c) = survey.components.get(component as usize) else { return false };
+    c.triangles < 50 && c.area_m2 < 4.0 * survey.median_edge_m * survey.median_edge_m
+}
+
+/// The polygon of a loop in plan.
+pub(crate) fn loop_polygon(survey: &CellSurvey, l: &LoopSurvey) -> Vec<DVec2> {
+    l.edges.iter().map(|&e| survey.from(e).truncate()).collect()
+}
+
+/// The smallest polygon (by area) that holds the first vertex of `island` strictly inside.
+pub(crate) fn smallest_around(polygons: &[(Vec<DVec2>, f64)], island: &[DVec2]) -> Option<usize> {
+    let point = *island.first()?;
+    (0..polygons.len())
+        .filter(|&k| contains(&polygons[k].0, point) == Location::Inside)
+        .min_by(|&a, &b| polygons[a].1.total_cmp(&polygons[b].1).then(a.cmp(&b)))
+}

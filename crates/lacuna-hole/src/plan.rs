@@ -1,0 +1,636 @@
+//! The plan: every hole of the scene with its class, cluster, layer, and what closes it on the borders.
+
+use crate::classify::classify;
+use crate::closed::{LoopKind, is_debris, judge_loop, loop_polygon, smallest_around};
+use crate::cluster::{ClusterRule, DisjointSets};
+use crate::coverage::{Coverage, coverage};
+use crate::cut::{bridge_reach, mark_cuts};
+use crate::fit::BorderFit;
+use crate::label::label_edges;
+use crate::layer::layers;
+use crate::outline::{outline, point_inside, side_stretches};
+use crate::shared::{CellView, SidePiece, share};
+use crate::walk::{RawPiece, Walked, walk};
+use crate::{BorderMode, CellSurvey, HoleClass, NotHole, Surveys};
+use glam::{DVec2, DVec3};
+use lacuna_grid::{Area, BorderId, CellId, CornerId, Domain, Grid, Side};
+use lacuna_mesh::{PointId, signed_area};
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+/// Why a hole is left as it is by the plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Leave {
+    /// Neither cell has surface over a stretch of their border, but no rim of the neighbour matches.
+    UnmatchedBorder,
+    /// A neighbouring tile could not be read.
+    BadNeighbour,
+    /// No hole of the cluster has any surface on its rim: its height is unknown.
+    NoSurface,
+}
+
+impl fmt::Display for Leave {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::UnmatchedBorder => "no rim of the neighbouring tile matches the hole on their border",
+            Self::BadNeighbour => "a neighbouring tile could not be read",
+            Self::NoSurface => "no tile of the cluster has surface to take heights from",
+        })
+    }
+}
+
+/// What stands at the end of a curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Anchor {
+    /// A boundary vertex of a cell.
+    Point(CellId, PointId),
+    /// A corner of the grid without a vertex.
+    Corner(CornerId),
+    /// Nothing: the curve is not tied to a vertex.
+    Free,
+}
+
+/// What a closing curve runs over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum CurveKind {
+    /// Both cells are open.
+    Shared,
+    /// Nothing lies beyond: the edge of the reconstruction area.
+    External,
+    /// The neighbour has surface there, but shares no vertices (tiles that overrun their cell).
+    OverNeighbour(CellId),
+}
+
+/// A stretch of a border that a closing polyline must cross. Both cells of a shared stretch name the same curve.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Curve {
+    /// The grid edge.
+    pub border: BorderId,
+    /// What lies beyond.
+    pub kind: CurveKind,
+    /// Constant coordinate of the line, metres (that of the first hole's domain; with overrun each cell has its own).
+    pub line: f64,
+    /// Lower end, coordinate along the border, metres.
+    pub low_m: f64,
+    /// Upper end.
+    pub high_m: f64,
+    /// What stands at the lower end.
+    pub low: Anchor,
+    /// What stands at the upper end.
+    pub high: Anchor,
+    /// The holes that it closes, by index: one, or two of a shared stretch.
+    pub holes: Vec<u32>,
+    /// The neighbour's boundary edges under an `OverNeighbour` curve.
+    pub over: Vec<u32>,
+}
+
+/// A part of a border piece, in the hole's walking direction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Span {
+    /// The neighbour's boundary edges, by index into its survey's boundary, in order.
+    Adopted {
+        /// Whose edges they are.
+        neighbour: CellId,
+        /// Consecutive boundary edges; may be empty where the tiles' surfaces meet in a point.
+        edges: Vec<u32>,
+    },
+    /// A closing curve, by index.
+    Curve(u32),
+}
+
+/// A piece of a hole's outer ring, counter-clockwise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Piece {
+    /// Boundary edges of the hole's own cell.
+    Rim(Vec<u32>),
+    /// A stretch of one side of the domain.
+    Side {
+        /// Which side.
+        side: Side,
+        /// What closes it, in walking order.
+        spans: Vec<Span>,
+        /// True if the next piece continues round the grid corner at the end of this side.
+        corner_after: bool,
+    },
+    /// A straight edge over a cut inside the tile.
+    Bridge,
+}
+
+/// One hole of one cell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Hole {
+    /// Its cell.
+    pub cell: CellId,
+    /// Class and shape.
+    pub class: HoleClass,
+    /// Index of its cluster.
+    pub cluster: u32,
+    /// Distance from the cluster's outside; 1 for closed holes.
+    pub layer: u32,
+    /// Outer ring.
+    pub outer: Vec<Piece>,
+    /// Loops (by index into the survey's loops) of the islands inside.
+    pub islands: Vec<u32>,
+    /// Share of its border that lies on the area's edge.
+    pub external_share: f64,
+    /// Plan area without islands, square metres (of a hole in a wall: its area in space).
+    pub area_m2: f64,
+    /// Length of rim and border, metres.
+    pub perimeter_m: f64,
+    /// Number of original vertices on its rims.
+    pub rim_vertices: u32,
+    /// Outer ring in plan.
+    pub outline: Vec<DVec2>,
+    /// True if the hole stands in a wall: it has no side in plan.
+    pub upright: bool,
+    /// Why the plan leaves it, if so.
+    pub leave: Option<Leave>,
+}
+
+/// A lake as a person sees it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HoleCluster {
+    /// Its holes, ascending.
+    pub holes: Vec<u32>,
+    /// A point inside its largest hole.
+    pub centre: DVec2,
+    /// Plan area, square metres.
+    pub area_m2: f64,
+    /// Highest layer.
+    pub layers: u32,
+    /// True if any of its holes is external.
+    pub is_external: bool,
+    /// Why the plan leaves it, if so.
+    pub leave: Option<Leave>,
+}
+
+/// Holes, clusters and curves of a scene. Small, and printable.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// How tiles meet their borders.
+    pub fit: BorderFit,
+    /// All holes, by cell, open ones first.
+    pub holes: Vec<Hole>,
+    /// All clusters, by their first hole.
+    pub clusters: Vec<HoleCluster>,
+    /// Closing curves.
+    pub curves: Vec<Curve>,
+    /// Grid corners inside holes that some cell has a vertex at.
+    pub corners: BTreeMap<String, Anchor>,
+    /// Domain of every cell of the area.
+    #[serde(skip)]
+    pub domains: BTreeMap<CellId, Domain>,
+    /// What only looked like a hole, by kind.
+    pub not_holes: BTreeMap<NotHole, u32>,
+    /// Uncovered stretches of borders without rims to tell what they are.
+    pub unclear_stretches: u32,
+}
+
+impl Plan {
+    /// The vertex at a grid corner, if a cell has one.
+    #[must_use]
+    pub fn corner_vertex(&self, corner: CornerId) -> Option<Anchor> {
+        self.corners.get(&corner_key(corner)).copied()
+    }
+}
+
+fn corner_key(corner: CornerId) -> String {
+    format!("{},{}", corner.i, corner.j)
+}
+
+/// What the plan needs to know beside the surveys.
+#[derive(Clone, Debug)]
+pub struct PlanOptions {
+    /// The grid.
+    pub grid: Grid,
+    /// The reconstruction area.
+    pub area: Area,
+    /// How tiles meet their borders.
+    pub fit: BorderFit,
+    /// When holes of neighbouring cells belong together.
+    pub rule: ClusterRule,
+    /// Cells whose tile could not be read.
+    pub unreadable: BTreeSet<CellId>,
+}
+
+/// What is known of one cell while the plan is made.
+struct CellWork {
+    domain: Domain,
+    coverage: Coverage,
+    walked: Walked,
+}
+
+/// Makes the plan from all surveys of a scene.
+///
+/// Steps: label, cover and walk every cell of the area (missing cells are hollow); closed loops and islands; classes;
+/// borders from both sides; clusters; layers.
+#[must_use]
+pub fn plan(surveys: &Surveys, options: &PlanOptions) -> Plan {
+    let is_hollow = |c: &&CellId| !surveys.contains_key(c) && !options.unreadable.contains(c);
+    let hollow: Surveys = options
+        .area
+        .cells
+        .iter()
+        .filter(is_hollow)
+        .map(|&c| (c, crate::survey(c, &lacuna_mesh::TriMesh::default())))
+        .collect();
+    let by_cell: BTreeMap<CellId, &CellSurvey> =
+        surveys.iter().chain(&hollow).map(|(c, s)| (*c, s)).collect();
+
+    let mut builder = Builder::new(options);
+    let works: BTreeMap<CellId, CellWork> =
+        by_cell.iter().map(|(&c, s)| (c, cell_work(s, options))).collect();
+    for (cell, work) in &works {
+        builder.add_cell(by_cell[cell], work);
+    }
+    let views: BTreeMap<CellId, CellView<'_>> = works
+        .iter()
+        .map(|(&c, w)| (c, CellView { survey: by_cell[&c], domain: &w.domain, coverage: &w.coverage }))
+        .collect();
+    builder.finish(&views)
+}
+
+fn cell_work(survey: &CellSurvey, options: &PlanOptions) -> CellWork {
+    let fit = &options.fit;
+    let domain = fit.domain(&options.grid, &options.area, survey.cell);
+    let mut labels = label_edges(survey, &domain, fit);
+    mark_cuts(survey, fit, &mut labels);
+    let coverage = coverage(survey, &domain, fit, &labels);
+    let walked = walk(survey, &coverage, domain.perimeter_m(), fit.gap_m, bridge_reach(survey, fit));
+    CellWork { domain, coverage, walked }
+}
+
+/// Collects holes cell by cell, then joins them.
+struct Builder<'a> {
+    options: &'a PlanOptions,
+    holes: Vec<Hole>,
+    pieces: Vec<SidePiece>,
+    /// For each side piece: (hole, index in its outer ring).
+    places: Vec<(usize, usize)>,
+    not_holes: BTreeMap<NotHole, u32>,
+    unclear: u32,
+}
+
+impl<'a> Builder<'a> {
+    fn new(options: &'a PlanOptions) -> Self {
+        Self {
+            options,
+            holes: Vec::new(),
+            pieces: Vec::new(),
+            places: Vec::new(),
+            not_holes: BTreeMap::new(),
+            unclear: 0,
+        }
+    }
+
+    fn count(&mut self, what: NotHole, number: usize) {
+        if number > 0 {
+            *self.not_holes.entry(what).or_default() += number as u32;
+        }
+    }
+
+    fn add_cell(&mut self, survey: &CellSurvey, work: &CellWork) {
+        self.count(NotHole::Overhang, work.walked.stray_chains);
+        self.unclear += work.walked.broken.len() as u32;
+        let first = self.holes.len();
+        let open_count = work.walked.holes.len();
+        let mut polygons: Vec<(Vec<DVec2>, f64)> = work
+            .walked
+            .holes
+            .iter()
+            .map(|pieces| with_area(outline(survey, &work.domain, &work.coverage, pieces)))
+            .collect();
+        let (mut closed, mut outlines) = (Vec::new(), Vec::new());
+        for &index in &work.coverage.closed {
+            let l = &survey.loops[index as usize];
+            match judge_loop(l) {
+                LoopKind::Hole => {
+                    closed.push(index);
+                    polygons.push(with_area(loop_polygon(survey, l)));
+                }
+                LoopKind::Outline => outlines.push(index),
+                LoopKind::Not(what) => self.count(what, 1),
+            }
+        }
+        let islands = self.assign_islands(survey, &polygons, &outlines);
+        for (k, pieces) in work.walked.holes.iter().enumerate() {
+            self.add_open(survey, work, pieces, polygons[k].clone(), islands[k].clone());
+        }
+        for (k, &index) in closed.iter().enumerate() {
+            let at = open_count + k;
+            self.add_closed(survey, index, polygons[at].clone(), islands[at].clone());
+        }
+        debug_assert_eq!(self.holes.len(), first + polygons.len());
+    }
+
+    /// Outlines of pieces inside a hole are its islands, unless they are debris or hover above its rim.
+    fn assign_islands(
+        &mut self,
+        survey: &CellSurvey,
+        polygons: &[(Vec<DVec2>, f64)],
+        outlines: &[u32],
+    ) -> Vec<Vec<u32>> {
+        let mut islands = vec![Vec::new(); polygons.len()];
+        for &index in outlines {
+            let l = &survey.loops[index as usize];
+            let around = smallest_around(polygons, &loop_polygon(survey, l));
+            match around {
+                Some(k) if !is_debris(survey, l.component) => islands[k].push(index),
+                _ => self.count(NotHole::Floater, 1),
+            }
+        }
+        islands
+    }
+
+    fn add_open(
+        &mut self,
+        survey: &CellSurvey,
+        work: &CellWork,
+        raw: &[RawPiece],
+        (polygon, area_m2): (Vec<DVec2>, f64),
+        islands: Vec<u32>,
+    ) {
+        let fit = &self.options.fit;
+        let (class, external_share) = classify(&work.domain, &work.coverage, raw, islands.len(), fit.gap_m);
+        let hole = self.holes.len();
+        let mut outer = Vec::new();
+        for (k, piece) in raw.iter().enumerate() {
+            match *piece {
+                RawPiece::Chain(c) => outer.push(Piece::Rim(work.coverage.chains[c].edges.clone())),
+                RawPiece::Bridge => outer.push(Piece::Bridge),
+                RawPiece::Border(from, to) => {
+                    let ends = [neighbour_chain(raw, k, true), neighbour_chain(raw, k, false)];
+                    self.add_side_pieces(survey, work, hole, &mut outer, (from, to), ends);
+                }
+            }
+        }
+        let record = Hole {
+            cell: survey.cell,
+            class,
+            cluster: 0,
+            layer: 1,
+            outer,
+            islands,
+            external_share,
+            area_m2,
+            perimeter_m: 0.0,
+            rim_vertices: 0,
+            outline: polygon,
+            upright: false,
+            leave: None,
+        };
+        self.push_hole(survey, record);
+    }
+
+    /// Side pieces of one stretch of the perimeter, cut at the corners.
+    fn add_side_pieces(
+        &mut self,
+        survey: &CellSurvey,
+        work: &CellWork,
+        hole: usize,
+        outer: &mut Vec<Piece>,
+        (from, to): (f64, f64),
+        [before, after]: [Option<usize>; 2],
+    ) {
+        let chain_end = |chain: Option<usize>, is_start: bool| {
+            let c = &work.coverage.chains[chain?];
+            let edge = if is_start { *c.edges.last()? } else { *c.edges.first()? };
+            let e = &survey.boundary.edges[edge as usize];
+            Some(if is_start { e.to } else { e.from })
+        };
+        let ends = [chain_end(before, true), chain_end(after, false)];
+        let stretches = side_stretches(&work.domain, from, to);
+        let count = stretches.len();
+        for (k, (side, a, b)) in stretches.into_iter().enumerate() {
+            let point = |p: Option<PointId>| p.map(|p| (Anchor::Point(survey.cell, p), survey.position(p)));
+            let corner_before = Anchor::Corner(survey.cell.corner_after(previous_side(side)));
+            let start = if k == 0 { point(ends[0]) } else { None };
+            let end = if k + 1 == count { point(ends[1]) } else { None };
+            let start_anchor = start.map_or(corner_before, |s| s.0);
+            let end_anchor = end.map_or(Anchor::Corner(survey.cell.corner_after(side)), |e| e.0);
+            let [x, y] = [a, b].map(|s| side.along(point_on(&work.domain, side, s)));
+            let upward = side.runs_upward();
+            self.pieces.push(SidePiece {
+                hole,
+                cell: survey.cell,
+                side,
+                low_m: x.min(y),
+                high_m: x.max(y),
+                low: if upward { start_anchor } else { end_anchor },
+                high: if upward { end_anchor } else { start_anchor },
+                end_positions: [start, end].into_iter().flatten().map(|p| p.1).collect(),
+            });
+            self.places.push((hole, outer.len()));
+            let corner_after = end.is_none();
+            outer.push(Piece::Side { side, spans: Vec::new(), corner_after });
+        }
+    }
+
+    fn add_closed(
+        &mut self,
+        survey: &CellSurvey,
+        index: u32,
+        (polygon, plan_area_m2): (Vec<DVec2>, f64),
+        islands: Vec<u32>,
+    ) {
+        let l = &survey.loops[index as usize];
+        let space_area = l.vector_area.length();
+        let upright = l.vector_area.z.abs() < 0.15 * space_area;
+        let record = Hole {
+            cell: survey.cell,
+            class: HoleClass::Closed,
+            cluster: 0,
+            layer: 1,
+            outer: vec![Piece::Rim(l.edges.clone())],
+            islands,
+            external_share: 0.0,
+            area_m2: if upright { space_area } else { plan_area_m2 },
+            perimeter_m: 0.0,
+            rim_vertices: 0,
+            outline: polygon,
+            upright,
+            leave: None,
+        };
+        self.push_hole(survey, record);
+    }
+
+    /// Adds the figures that follow from the pieces.
+    fn push_hole(&mut self, survey: &CellSurvey, mut hole: Hole) {
+        let length =
+            |edges: &[u32]| -> f64 { edges.iter().map(|&e| survey.from(e).distance(survey.to(e))).sum() };
+        let first_piece =
+            self.places.iter().position(|p| p.0 == self.holes.len()).unwrap_or(self.pieces.len());
+        hole.perimeter_m = self.pieces[first_piece..].iter().map(|p| p.high_m - p.low_m).sum();
+        for piece in &hole.outer {
+            if let Piece::Rim(edges) = piece {
+                hole.perimeter_m += length(edges);
+                hole.rim_vertices += edges.len() as u32 + u32::from(hole.class != HoleClass::Closed);
+            }
+        }
+        for &island in &hole.islands {
+            let l = &survey.loops[island as usize];
+            hole.perimeter_m += l.length_m;
+            hole.rim_vertices += l.edges.len() as u32;
+            hole.area_m2 -= l.vector_area.z.abs();
+        }
+        self.holes.push(hole);
+    }
+
+    fn finish(mut self, views: &BTreeMap<CellId, CellView<'_>>) -> Plan {
+        let shared = share(&self.pieces, views, &self.options.fit);
+        for (k, &(hole, at)) in self.places.iter().enumerate() {
+            if let Piece::Side { spans, .. } = &mut self.holes[hole].outer[at] {
+                spans.clone_from(&shared.spans[k]);
+            }
+            let record = &mut self.holes[hole];
+            record.leave = record.leave.max(shared.leaves[k]);
+        }
+        let joined = self.joined(&shared.joined);
+        let layer = self.layers(&joined);
+        for (hole, layer) in self.holes.iter_mut().zip(layer) {
+            hole.layer = layer;
+        }
+        let clusters = self.clusters(&joined);
+        Plan {
+            fit: self.options.fit,
+            curves: shared.curves,
+            clusters,
+            holes: self.holes,
+            corners: corner_vertices(views, &self.options.fit),
+            domains: views.iter().map(|(&c, v)| (c, *v.domain)).collect(),
+            not_holes: self.not_holes,
+            unclear_stretches: self.unclear,
+        }
+    }
+
+    /// Pairs of holes that belong together under the rule.
+    fn joined(&self, by_interval: &[(usize, usize)]) -> Vec<(usize, usize)> {
+        let mut pairs = by_interval.to_vec();
+        if self.options.rule == ClusterRule::Cell {
+            let mut on_border: BTreeMap<BorderId, Vec<usize>> = BTreeMap::new();
+            for p in &self.pieces {
+                on_border.entry(p.cell.border(p.side)).or_default().push(p.hole);
+            }
+            for holes in on_border.values() {
+                for (k, &a) in holes.iter().enumerate() {
+                    let others = holes[k + 1..].iter().filter(|&&b| self.holes[b].cell != self.holes[a].cell);
+                    pairs.extend(others.map(|&b| (a.min(b), a.max(b))));
+                }
+            }
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
+    }
+
+    fn layers(&self, joined: &[(usize, usize)]) -> Vec<u32> {
+        let mut neighbours = vec![Vec::new(); self.holes.len()];
+        for &(a, b) in joined {
+            neighbours[a].push(b);
+            neighbours[b].push(a);
+        }
+        let has_surface: Vec<bool> = self.holes.iter().map(has_surface).collect();
+        layers(&has_surface, &neighbours)
+    }
+
+    fn clusters(&mut self, joined: &[(usize, usize)]) -> Vec<HoleCluster> {
+        let mut sets = DisjointSets::new(self.holes.len());
+        joined.iter().for_each(|&(a, b)| sets.join(a, b));
+        let mut members: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
+        for h in 0..self.holes.len() {
+            members.entry(sets.root(h)).or_default().push(h as u32);
+        }
+        let mut clusters = Vec::new();
+        for holes in members.into_values() {
+            for &h in &holes {
+                self.holes[h as usize].cluster = clusters.len() as u32;
+            }
+            clusters.push(self.cluster(holes));
+        }
+        clusters
+    }
+
+    fn cluster(&self, holes: Vec<u32>) -> HoleCluster {
+        let hole = |h: &u32| &self.holes[*h as usize];
+        let largest = holes.iter().map(hole).fold(None, |best: Option<&Hole>, h| match best {
+            Some(b) if b.area_m2 >= h.area_m2 => Some(b),
+            _ => Some(h),
+        });
+        let unsolved = holes.iter().any(|h| hole(h).layer == 0).then_some(Leave::NoSurface);
+        HoleCluster {
+            centre: largest.map_or(DVec2::ZERO, |h| point_inside(&h.outline)),
+            area_m2: holes.iter().map(|h| hole(h).area_m2).sum(),
+            layers: holes.iter().map(|h| hole(h).layer).max().unwrap_or(0),
+            is_external: holes.iter().any(|h| matches!(hole(h).class, HoleClass::External(_))),
+            leave: holes.iter().filter_map(|h| hole(h).leave).max().max(unsolved),
+            holes,
+        }
+    }
+}
+
+fn with_area(polygon: Vec<DVec2>) -> (Vec<DVec2>, f64) {
+    let area = signed_area(&polygon).abs();
+    (polygon, area)
+}
+
+/// True if some original surface bounds the hole: a rim of its own or a neighbour's border.
+fn has_surface(hole: &Hole) -> bool {
+    let over = |span: &Span| matches!(span, Span::Adopted { edges, .. } if !edges.is_empty());
+    hole.outer.iter().any(|p| match p {
+        Piece::Rim(_) => true,
+        Piece::Side { spans, .. } => spans.iter().any(over),
+        Piece::Bridge => false,
+    }) || !hole.islands.is_empty()
+}
+
+/// The chain next to piece `k` of a walk, before or after it.
+fn neighbour_chain(raw: &[RawPiece], k: usize, before: bool) -> Option<usize> {
+    let n = raw.len();
+    let at = if before { (k + n - 1) % n } else { (k + 1) % n };
+    match raw[at] {
+        RawPiece::Chain(c) => Some(c),
+        _ => None,
+    }
+}
+
+fn previous_side(side: Side) -> Side {
+    Side::ALL[(side.index() + 3) % 4]
+}
+
+/// The point of a side at a perimeter parameter of that side (its end included, unlike `Domain::at`).
+fn point_on(domain: &Domain, side: Side, s: f64) -> DVec2 {
+    let d = s - domain.side_start_m(side);
+    match side {
+        Side::South => DVec2::new(domain.low.x + d, domain.low.y),
+        Side::East => DVec2::new(domain.high.x, domain.low.y + d),
+        Side::North => DVec2::new(domain.high.x - d, domain.high.y),
+        Side::West => DVec2::new(domain.low.x, domain.high.y - d),
+    }
+}
+
+/// Boundary vertices that stand at grid corners, where tiles are cut on the line: of the first cell that has one.
+fn corner_vertices(views: &BTreeMap<CellId, CellView<'_>>, fit: &BorderFit) -> BTreeMap<String, Anchor> {
+    let mut corners: BTreeMap<String, Anchor> = BTreeMap::new();
+    if fit.mode == BorderMode::Overrun {
+        return corners;
+    }
+    for (&cell, view) in views {
+        for run in &view.coverage.runs {
+            let first = view.survey.boundary.edges[run.edges[0] as usize].from;
+            let last = run.edges.last().map(|&e| view.survey.boundary.edges[e as usize].to);
+            for point in std::iter::once(first).chain(last) {
+                let place: DVec3 = view.survey.position(point);
+                for side in Side::ALL {
+                    if place.truncate().distance(view.domain.corner_after(side)) <= fit.tolerance_m {
+                        corners
+                            .entry(corner_key(cell.corner_after(side)))
+                            .or_insert(Anchor::Point(cell, point));
+                    }
+                }
+            }
+        }
+    }
+    corners
+}
