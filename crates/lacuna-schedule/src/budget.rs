@@ -155,8 +155,11 @@ impl Shared {
 #[cfg(test)]
 mod tests {
     use super::{MemoryBudget, OverLimit};
+    use std::sync::mpsc;
     use std::thread;
-    use std::time::Duration;
+    use std::time::{Duration, Instant};
+
+    const PATIENCE: Duration = Duration::from_secs(20);
 
     /// Until `count` requests wait.
     fn wait_for_queue(budget: &MemoryBudget, count: u64) {
@@ -164,7 +167,9 @@ mod tests {
             let state = budget.shared.lock();
             state.next_ticket - state.now_serving
         };
+        let start = Instant::now();
         while waiting() != count {
+            assert!(start.elapsed() < PATIENCE, "{} requests wait, not {count}", waiting());
             thread::yield_now();
         }
     }
@@ -194,18 +199,16 @@ mod tests {
     fn many_that_fit_are_all_served_by_one_return() {
         let budget = MemoryBudget::new(90);
         let all = budget.acquire(90).expect("fits");
-        let barrier = std::sync::Barrier::new(3);
-        thread::scope(|scope| {
-            for _ in 0..3 {
-                // Each keeps its share until all three have one: it hangs if the return woke only one of them.
-                scope.spawn(|| {
-                    let _share = budget.acquire(30).expect("within the limit");
-                    barrier.wait();
-                });
-            }
-            wait_for_queue(&budget, 3);
-            drop(all);
-        });
+        let (sender, receiver) = mpsc::channel();
+        for _ in 0..3 {
+            let (budget, sender) = (budget.clone(), sender.clone());
+            thread::spawn(move || sender.send(budget.acquire(30).expect("within the limit")));
+        }
+        wait_for_queue(&budget, 3);
+        drop(all);
+        // Nothing comes back until all three are served.
+        let shares: Vec<_> = (0..3).map(|_| receiver.recv_timeout(PATIENCE).expect("served")).collect();
+        drop(shares);
         assert_eq!((budget.lent_bytes(), budget.peak_lent_bytes()), (0, 90));
     }
 

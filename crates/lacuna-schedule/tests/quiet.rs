@@ -11,6 +11,9 @@ fn child() {
     let work = |index: usize| assert!(index == 0, "inside a job");
     let results = pool.run(&jobs, &MemoryBudget::new(2), &StopFlag::new(), work, |_| {}).expect("fits");
     assert!(matches!(results[1], JobResult::Panicked(_)));
+    let done = |_| panic!("after a job");
+    let run = || pool.run(&jobs, &MemoryBudget::new(2), &StopFlag::new(), |_| {}, done);
+    assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).is_err());
     let outside = std::thread::spawn(|| panic!("outside of jobs")).join();
     assert!(outside.is_err());
 }
@@ -24,5 +27,6 @@ fn only_panics_outside_of_jobs_are_printed() {
     let printed = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{printed}");
     assert!(printed.contains("outside of jobs"), "{printed}");
+    assert!(printed.contains("after a job"), "{printed}");
     assert!(!printed.contains("inside a job"), "{printed}");
 }
