@@ -59,7 +59,7 @@ impl Neighbours {
         found
     }
 
-    /// The neighbours of border vertex `index`.
+    /// The neighbours of border vertex `index`; none if it is frozen.
     pub(crate) fn of(&self, index: usize) -> &[Neighbour] {
         &self.column[self.ranges[index].clone()]
     }
@@ -99,6 +99,7 @@ impl Grid {
             .filter(|entry| entry.position.truncate().distance_squared(plan) <= buffer_m * buffer_m)
             .filter(|entry| !matches!(entry.neighbour, Neighbour::Border(other) if other == index))
             .collect();
+        // Over all squares, so that a shift of the squares against the points changes no sum.
         near.sort_by(|a, b| by_position(a, b));
         near.into_iter().map(|entry| entry.neighbour)
     }

@@ -113,7 +113,7 @@ pub fn buffer_m(polyline: &[SeamVertex], params: &SmoothParams) -> f64 {
     params.buffer_spacings * length_m / edges as f64
 }
 
-/// `dp` of every vertex; 0 for those that stay.
+/// `dp` of every vertex; 0 for those that stay: a frozen vertex has no neighbours here.
 fn steps(border: &[SeamVertex], strips: &[DVec3], neighbours: &Neighbours) -> Vec<f64> {
     let step = |index: usize| {
         let z = border[index].z;
@@ -122,7 +122,7 @@ fn steps(border: &[SeamVertex], strips: &[DVec3], neighbours: &Neighbours) -> Ve
         let sum: f64 = near.iter().map(|neighbour| neighbour.height(border, strips) - z).sum();
         if near.is_empty() { 0.0 } else { sum / near.len() as f64 }
     };
-    (0..border.len()).map(|index| if border[index].frozen { 0.0 } else { step(index) }).collect()
+    (0..border.len()).map(step).collect()
 }
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
