@@ -1,25 +1,14 @@
-//! PLY.
+//! Stanford PLY: ascii and binary, in the dialects that producers write.
 
-use crate::error::{Place, TileError};
-use crate::types::{AppendRequest, NewTileRequest, ReadOptions, ReadTile, TileHeader, Written};
-use std::path::Path;
+mod cursor;
+mod header;
+mod read;
+mod rim;
+mod rows;
+mod scalar;
+mod size;
+mod write;
 
-pub(crate) fn read(path: &Path, _options: &ReadOptions) -> Result<ReadTile, TileError> {
-    Err(unsupported(path))
-}
-
-pub(crate) fn read_header(path: &Path) -> Result<TileHeader, TileError> {
-    Err(unsupported(path))
-}
-
-pub(crate) fn append(request: &AppendRequest<'_>) -> Result<Written, TileError> {
-    Err(unsupported(request.input))
-}
-
-pub(crate) fn new_tile(request: &NewTileRequest<'_>) -> Result<Written, TileError> {
-    Err(unsupported(request.template))
-}
-
-fn unsupported(path: &Path) -> TileError {
-    TileError::unsupported(path, Place::File, "PLY", "convert the tile")
-}
+pub(crate) use read::read;
+pub(crate) use size::read_header;
+pub(crate) use write::{append, new_tile};
