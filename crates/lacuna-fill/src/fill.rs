@@ -1,7 +1,12 @@
 //! The decision list: which filler takes a contour.
 
-use crate::{FillError, FillParams};
-use lacuna_mesh::{Contour, Patch};
+use crate::frame::Frame;
+use crate::lift::{Lifted, fill_in_frame, vector_area};
+use crate::min_area::min_area_patch;
+use crate::plane::best_fit_frame;
+use crate::{FillError, FillParams, FillerChoice};
+use glam::DVec3;
+use lacuna_mesh::{Contour, Patch, PlanView, QualityStats, check_patch, side_of_line};
 use lacuna_solve::Solver;
 use std::fmt;
 
@@ -26,20 +31,6 @@ impl fmt::Display for Filler {
     }
 }
 
-/// Facts about a patch's triangles, measured in 3D by q = 2 r / R (inscribed and circumscribed radius; 1 is
-/// equilateral). Pocket triangles are left out.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct QualityFacts {
-    /// Number of triangles judged.
-    pub triangles: usize,
-    /// Mean of q.
-    pub mean: f64,
-    /// Share of triangles with q > 0.5.
-    pub share_good: f64,
-    /// Smallest q.
-    pub min: f64,
-}
-
 /// A patch and what is known about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Filled {
@@ -51,9 +42,19 @@ pub struct Filled {
     pub vertical: Vec<u32>,
     /// True if every other triangle is counter-clockwise seen from above.
     pub in_plan: bool,
-    /// Shape of the triangles.
-    pub quality: QualityFacts,
+    /// Shape of the triangles in space, pocket triangles left out.
+    pub quality: QualityStats,
 }
+
+/// Largest contour for the 3D triangulation.
+const LARGEST_RING: usize = 500;
+/// Share of the rim's length whose triangles must look up for the plan view to be trusted, and the z of a unit normal
+/// that counts as looking up.
+const UPRIGHT_SHARE: f64 = 0.95;
+const UPRIGHT: f64 = 0.15;
+/// The plan view is trusted whatever the rim's triangles do if the contour itself is at most this steep (z of the unit
+/// normal): a lake between quay walls is one.
+const LEVEL: f64 = 0.5;
 
 /// Fills a contour (algorithms E.1): constrained Delaunay from above where the rim is simple after pockets are cut,
 /// else in the best-fit plane, else the minimum-area triangulation in 3D. Contour vertices keep their positions bit
@@ -62,16 +63,142 @@ pub struct Filled {
 /// # Errors
 /// [`FillError`]: its `is_refusal` tells a reason to skip from a failure.
 pub fn fill(contour: &Contour, params: &FillParams, solver: &dyn Solver) -> Result<Filled, FillError> {
-    let _ = (params, solver);
-    if contour.len() != 3 {
-        return Err(FillError::TooManyVertices { vertices: contour.len(), limit: 3 });
+    check_input(contour, params)?;
+    if params.filler == FillerChoice::MinArea {
+        return fill_in_space(contour, params, solver);
     }
-    let patch = Patch { vertices: vec![], triangles: vec![[0, 1, 2]] };
-    Ok(Filled {
-        patch,
-        filler: Filler::MinArea,
-        vertical: vec![],
-        in_plan: false,
-        quality: QualityFacts::default(),
-    })
+    let seen_from_above =
+        if is_plan_trusted(contour) { Some(fill_from_above(contour, params, solver)) } else { None };
+    let reason = match seen_from_above {
+        Some(Err(reason)) if is_about_plan(&reason) => Some(reason),
+        Some(done) => return done,
+        None => None,
+    };
+    match best_fit_frame(contour).map(|frame| fill_in_plane(contour, frame, params, solver)) {
+        Some(Err(e)) if is_about_plan(&e) => {}
+        Some(done) => return done,
+        None => {}
+    }
+    if params.filler == FillerChoice::Auto && contour.inner.is_empty() && contour.len() <= LARGEST_RING {
+        return fill_in_space(contour, params, solver);
+    }
+    Err(reason.unwrap_or_else(|| space_refusal(contour)))
+}
+
+fn fill_from_above(contour: &Contour, params: &FillParams, solver: &dyn Solver) -> Result<Filled, FillError> {
+    let frame = Frame::plan(&contour.positions());
+    let lifted = fill_in_frame(contour, frame, true, params, solver)?;
+    finish(contour, lifted, Filler::Delaunay)
+}
+
+fn fill_in_plane(
+    contour: &Contour,
+    frame: Frame,
+    params: &FillParams,
+    solver: &dyn Solver,
+) -> Result<Filled, FillError> {
+    let lifted = fill_in_frame(contour, frame, false, params, solver)?;
+    finish(contour, lifted, Filler::Plane)
+}
+
+fn fill_in_space(contour: &Contour, params: &FillParams, solver: &dyn Solver) -> Result<Filled, FillError> {
+    if !contour.inner.is_empty() || contour.len() > LARGEST_RING {
+        return Err(space_refusal(contour));
+    }
+    let patch = min_area_patch(contour, params, solver)?;
+    finish(contour, Lifted { patch, vertical: vec![] }, Filler::MinArea)
+}
+
+fn space_refusal(contour: &Contour) -> FillError {
+    if contour.len() > LARGEST_RING {
+        FillError::TooManyVertices { vertices: contour.len(), limit: LARGEST_RING }
+    } else {
+        FillError::IslandsIn3d
+    }
+}
+
+/// True for reasons that another view of the contour may not have.
+fn is_about_plan(reason: &FillError) -> bool {
+    matches!(
+        reason,
+        FillError::CrossingRim { .. } | FillError::BadRings { .. } | FillError::NoTriangulation { .. }
+    )
+}
+
+fn check_input(contour: &Contour, params: &FillParams) -> Result<(), FillError> {
+    let malformed = |what: String| Err(FillError::Malformed { what });
+    for ring in contour.rings() {
+        if ring.vertices.len() < 3 || ring.edges.len() != ring.vertices.len() {
+            return malformed(format!(
+                "a ring has {} vertices and {} edges",
+                ring.vertices.len(),
+                ring.edges.len()
+            ));
+        }
+    }
+    let support = &contour.support;
+    let count = contour.len() + support.vertices.len();
+    if u32::try_from(count).is_err() || support.triangles.iter().flatten().any(|&v| v as usize >= count) {
+        return malformed("a triangle behind the rim names a vertex that does not exist".to_owned());
+    }
+    let finite = |p: &DVec3| p.is_finite() && p.abs().max_element() < LARGEST_COORDINATE_M;
+    if !contour.positions().iter().chain(&support.vertices).all(finite) {
+        return malformed("a coordinate is not finite or beyond 1e12 m".to_owned());
+    }
+    if params.spacing_m.is_some_and(|s| !(s > 0.0)) || params.growth.is_nan() || params.overshoot.is_nan() {
+        return malformed("spacing, growth or overshoot is not a sensible number".to_owned());
+    }
+    Ok(())
+}
+
+/// Coordinates beyond this leave no digits for a patch.
+const LARGEST_COORDINATE_M: f64 = 1e12;
+
+/// True if the rim's triangles look up over nearly all of its length, or the contour itself is level (algorithms B.7).
+fn is_plan_trusted(contour: &Contour) -> bool {
+    let outer: Vec<DVec3> = contour.outer.vertices.iter().map(|v| v.position).collect();
+    let area = vector_area(&outer);
+    if area.z >= LEVEL * area.length() {
+        return true;
+    }
+    let (mut upright, mut total) = (0.0, 0.0);
+    for ring in contour.rings() {
+        let n = ring.vertices.len();
+        for (i, edge) in ring.edges.iter().enumerate() {
+            let Some(apex) = edge.apex else { continue };
+            let (a, b) = (ring.vertices[i].position, ring.vertices[(i + 1) % n].position);
+            let normal = (a - b).cross(apex - b);
+            let length = a.distance(b);
+            total += length;
+            if normal.z > UPRIGHT * normal.length() {
+                upright += length;
+            }
+        }
+    }
+    total > 0.0 && upright >= UPRIGHT_SHARE * total
+}
+
+/// Checks the patch and gathers its facts; nothing leaves this crate unchecked.
+fn finish(contour: &Contour, lifted: Lifted, filler: Filler) -> Result<Filled, FillError> {
+    let Lifted { patch, vertical } = lifted;
+    let in_plan = filler == Filler::Delaunay;
+    let view = if in_plan && vertical.is_empty() { PlanView::Judged } else { PlanView::NotJudged };
+    check_patch(contour, &patch, view).map_err(|e| FillError::CheckFailed { what: e.to_string() })?;
+    let mut positions = contour.positions();
+    positions.extend_from_slice(&patch.vertices);
+    let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize]);
+    let is_vertical = |t: usize| vertical.binary_search(&(t as u32)).is_ok();
+    let judged: Vec<[DVec3; 3]> = (0..patch.triangles.len())
+        .filter(|&t| !is_vertical(t))
+        .map(|t| corners(&patch.triangles[t]))
+        .collect();
+    if in_plan && let Some([a, ..]) = judged.iter().find(|c| !is_counter_clockwise(c)) {
+        return Err(FillError::CheckFailed { what: format!("a triangle is turned over at {a}") });
+    }
+    let quality = QualityStats::of(judged);
+    Ok(Filled { patch, filler, vertical, in_plan, quality })
+}
+
+fn is_counter_clockwise([a, b, c]: &[DVec3; 3]) -> bool {
+    side_of_line(a.truncate(), b.truncate(), c.truncate()) > 0.0
 }

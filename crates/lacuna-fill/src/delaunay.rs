@@ -1,0 +1,111 @@
+//! Constrained Delaunay triangulation of simple rings.
+
+use crate::FillError;
+use crate::topology::Topology;
+use glam::DVec2;
+use spade::handles::FixedFaceHandle;
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+use std::collections::VecDeque;
+
+/// Triangulates what the rings enclose, every ring edge a constraint: faces reached from outside over an odd number of
+/// constraints, so islands stay empty. No vertex is added.
+///
+/// `rings` hold indices into `points`; they must be simple, apart from each other and properly nested. Triangles are
+/// counter-clockwise and sorted, so equal input gives equal output.
+///
+/// # Errors
+/// [`FillError::CrossingRim`] if an edge is refused as a constraint or two vertices share a place,
+/// [`FillError::Malformed`] for coordinates out of range.
+pub(crate) fn triangulate(points: &[DVec2], rings: &[Vec<u32>]) -> Result<Topology, FillError> {
+    let used: Vec<u32> = rings.iter().flatten().copied().collect();
+    let vertices: Vec<Point2<f64>> =
+        used.iter().map(|&v| Point2::new(points[v as usize].x, points[v as usize].y)).collect();
+    let mut refused = None;
+    let cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(
+        vertices,
+        constraints(rings),
+        |edge| refused = refused.or(Some(edge[0])),
+    )
+    .map_err(|e| FillError::Malformed { what: e.to_string() })?;
+    if let Some(at) = refused {
+        return Err(FillError::CrossingRim { vertex: used.get(at).copied().unwrap_or(0) });
+    }
+    if cdt.num_vertices() != used.len() || cdt.num_constraints() != used.len() {
+        return Err(FillError::CrossingRim { vertex: used[0] });
+    }
+    Ok(Topology::new(&inner_triangles(&cdt, &used)))
+}
+
+fn constraints(rings: &[Vec<u32>]) -> Vec<[usize; 2]> {
+    let mut edges = vec![];
+    let mut first = 0;
+    for ring in rings {
+        edges.extend((0..ring.len()).map(|i| [first + i, first + (i + 1) % ring.len()]));
+        first += ring.len();
+    }
+    edges
+}
+
+fn inner_triangles(cdt: &ConstrainedDelaunayTriangulation<Point2<f64>>, used: &[u32]) -> Vec<[u32; 3]> {
+    let inside = parity_from_outside(cdt);
+    let mut triangles: Vec<[u32; 3]> = cdt
+        .inner_faces()
+        .filter(|f| inside[f.fix().index()] == Some(true))
+        .map(|f| smallest_first(f.vertices().map(|v| used[v.fix().index()])))
+        .collect();
+    triangles.sort_unstable();
+    triangles
+}
+
+/// For each face whether an odd number of constraints lies between it and the outer face.
+fn parity_from_outside(cdt: &ConstrainedDelaunayTriangulation<Point2<f64>>) -> Vec<Option<bool>> {
+    let mut inside = vec![None; cdt.num_all_faces()];
+    let outer = cdt.outer_face().fix();
+    inside[outer.index()] = Some(false);
+    let mut queue: VecDeque<FixedFaceHandle<_>> = VecDeque::new();
+    for edge in cdt.directed_edges().filter(|e| e.face().fix() == outer) {
+        let face = edge.rev().face().fix();
+        if inside[face.index()].is_none() {
+            inside[face.index()] = Some(edge.is_constraint_edge());
+            queue.push_back(face);
+        }
+    }
+    while let Some(face) = queue.pop_front() {
+        let here = inside[face.index()] == Some(true);
+        let Some(inner) = cdt.face(face).as_inner() else { continue };
+        for edge in inner.adjacent_edges() {
+            let other = edge.rev().face().fix();
+            if inside[other.index()].is_none() {
+                inside[other.index()] = Some(here ^ edge.is_constraint_edge());
+                queue.push_back(other);
+            }
+        }
+    }
+    inside
+}
+
+fn smallest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
+    if a < b && a < c {
+        [a, b, c]
+    } else if b < c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn islands_stay_empty_and_crossings_are_refused() {
+        let at = |x: f64, y: f64| DVec2::new(x, y);
+        let mut points = vec![at(0., 0.), at(9., 0.), at(9., 9.), at(0., 9.)];
+        points.extend([at(3., 3.), at(3., 6.), at(6., 6.), at(6., 3.)]);
+        let done = triangulate(&points, &[vec![0, 1, 2, 3], vec![4, 5, 6, 7]]).unwrap();
+        assert_eq!(done.triangle_count(), 8);
+        let refused = triangulate(&points, &[vec![0, 2, 1, 3]]);
+        assert!(matches!(refused, Err(FillError::CrossingRim { .. })));
+    }
+}
