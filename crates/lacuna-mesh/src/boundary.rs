@@ -58,8 +58,8 @@ pub struct Defects {
     pub non_finite: u64,
     /// Triangles with two corners at the same place; they have no boundary and are ignored.
     pub degenerate: u64,
-    /// Triangles left out because an earlier one has the same corners in the same direction. Pairs that lie so that
-    /// no edge is out of balance are not seen.
+    /// Triangles left out because an earlier one has the same corners in the same direction. Those that leave no edge
+    /// out of balance, as a pair in opposite directions does, are not seen and do no harm.
     pub duplicate: u64,
     /// Undirected edges with three or more triangles and unequal directions.
     pub non_manifold_edges: u64,

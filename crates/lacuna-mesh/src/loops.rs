@@ -41,7 +41,7 @@ impl BoundaryLoop {
 /// All loops of a boundary.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BoundaryLoops {
-    /// Loops of three or more points, sorted by their points: smallest first.
+    /// Loops of three or more points, sorted by their edges: the one with the smallest point comes first.
     pub loops: Vec<BoundaryLoop>,
     /// Loops of fewer than three points (cracks without area) that were dropped.
     pub cracks: usize,
@@ -81,8 +81,7 @@ pub fn loops(boundary: &Boundary) -> BoundaryLoops {
     }
 }
 
-/// Edges are sorted by their start, so the smallest edge starts at the smallest point, and sorting loops by edges
-/// sorts them by points.
+/// Edges are sorted by their start, so the smallest edge starts at the smallest point.
 fn start_at_smallest(boundary: &Boundary, edges: &mut [u32]) {
     debug_assert!(boundary.edges.is_sorted_by_key(|e| (e.from, e.to, e.face)));
     let first = (0..edges.len()).min_by_key(|&i| edges[i]).unwrap_or(0);
