@@ -1,25 +1,42 @@
-//! Binary glTF 2.0.
+//! Binary glTF 2.0: geometry in, patches appended as primitives of their own.
+//!
+//! Frame: node transforms in f64, then the file's up axis turned to z up, then `CESIUM_RTC` added. Textures, materials and
+//! every part of the file that is no triangle geometry pass through unread.
 
-use crate::error::{Place, TileError};
-use crate::types::{AppendRequest, NewTileRequest, ReadOptions, ReadTile, TileHeader, Written};
-use std::path::Path;
+mod accessor;
+mod append;
+mod buffer;
+mod container;
+mod document;
+mod draft;
+mod edit;
+mod frame;
+mod header;
+mod model;
+mod new_tile;
+mod nodes;
+mod patch;
+mod topology;
+mod uri;
 
-pub(crate) fn read(path: &Path, _options: &ReadOptions) -> Result<ReadTile, TileError> {
-    Err(unsupported(path))
+pub(crate) use append::append;
+pub(crate) use header::read_header;
+pub(crate) use model::read;
+pub(crate) use new_tile::new_tile;
+
+use crate::error::Place;
+use crate::fault::Fault;
+use std::fmt::Display;
+
+/// A fault at a JSON pointer.
+fn json_fault(pointer: impl Display, problem: impl Into<String>) -> Fault {
+    Fault::malformed(Place::Json(pointer.to_string()), problem)
 }
 
-pub(crate) fn read_header(path: &Path) -> Result<TileHeader, TileError> {
-    Err(unsupported(path))
-}
-
-pub(crate) fn append(request: &AppendRequest<'_>) -> Result<Written, TileError> {
-    Err(unsupported(request.input))
-}
-
-pub(crate) fn new_tile(request: &NewTileRequest<'_>) -> Result<Written, TileError> {
-    Err(unsupported(request.template))
-}
-
-fn unsupported(path: &Path) -> TileError {
-    TileError::unsupported(path, Place::File, "GLB", "convert the tile to OBJ or PLY")
+/// The element of a JSON array that an index in the file names.
+fn element<'a, T>(array: &'a [T], index: u64, name: &str, from: &str) -> Result<&'a T, Fault> {
+    usize::try_from(index)
+        .ok()
+        .and_then(|i| array.get(i))
+        .ok_or_else(|| json_fault(from, format!("names {name} {index}, but there are {}", array.len())))
 }
