@@ -1,5 +1,7 @@
 //! Scenes: what counts as a tile, what belongs together, what is refused.
 
+#![allow(clippy::print_stderr, reason = "a test that skips says so")]
+
 use lacuna_tile::{SceneOptions, hollow_tile_path, open_scene};
 use std::fs;
 use std::path::{Path, PathBuf};

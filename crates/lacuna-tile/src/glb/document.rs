@@ -169,8 +169,14 @@ const KNOWN: [&str; 6] = [
 
 /// Parses a JSON chunk and refuses documents that need an extension this version does not know.
 pub(super) fn parse(json: &[u8]) -> Result<Document, Fault> {
+    if !json.trim_ascii_start().starts_with(b"{") {
+        return Err(json_fault("/", "the JSON chunk holds no object")); // serde would take an array for one
+    }
     let document: Document = serde_json::from_slice(json).map_err(|e| json_fault("/", e.to_string()))?;
-    if let Some(version) = document.asset.version.as_deref().filter(|v| !v.starts_with("2.")) {
+    let Some(version) = document.asset.version.as_deref() else {
+        return Err(json_fault("/asset/version", "the glTF version is absent"));
+    };
+    if !version.starts_with("2.") {
         let problem = format!("glTF version \"{}\"", version.escape_debug());
         let place = Place::Json("/asset/version".to_owned());
         return Err(Fault::unsupported(place, problem, "convert it: npx 3d-tiles-tools upgrade"));
