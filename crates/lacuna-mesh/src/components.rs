@@ -28,7 +28,8 @@ pub struct Components {
 }
 
 impl Components {
-    /// The component (index into `list`) of a triangle of the mesh; `None` if a corner is not finite.
+    /// The component (index into `list`) of a triangle of the mesh; `None` if it was ignored and its corners don't
+    /// belong to one component.
     #[must_use]
     pub fn of_face(&self, mesh: &TriMesh, face: FaceId) -> Option<usize> {
         let [a, b, c] = mesh.triangles[face.index()].map(|v| self.vertex_component[v as usize]);
@@ -41,7 +42,8 @@ impl Components {
 /// Triangles are connected if they share a vertex, or two vertices that `boundary.copies` joins. That covers every edge
 /// that two triangles share across a texture seam: each of the two uses a copy that the other does not, so both copies
 /// have an unbalanced edge and stand in the list. Two closed sheets that only touch in a place, each with vertices of
-/// its own, stay two components. Areas are summed in the order of triangles. Takes O(n) in practice (union-find with
+/// its own, stay two components. Triangles with a corner that is not finite, or two corners at one place, are ignored:
+/// they join nothing and are not counted. Areas are summed in the order of triangles. Takes O(n) in practice (union-find with
 /// path halving), 4 bytes a vertex.
 ///
 /// Source: algorithm note, section A.4.
@@ -51,7 +53,7 @@ pub fn components(mesh: &TriMesh, boundary: &Boundary) -> Components {
     let mut number_of_root = vec![NONE; parents.len()];
     let mut list: Vec<Component> = Vec::new();
     for (face, &triangle) in mesh.triangles.iter().enumerate() {
-        if !is_finite(mesh, face) {
+        if !is_counted(mesh, face) {
             continue;
         }
         let root = root(&mut parents, triangle[0]) as usize;
@@ -79,15 +81,20 @@ impl Component {
     }
 }
 
-fn is_finite(mesh: &TriMesh, face: usize) -> bool {
-    mesh.corners(face).iter().all(|p| p.is_finite())
+/// True unless the boundary ignores the triangle too: a corner is not finite, or two are at the same place.
+fn is_counted(mesh: &TriMesh, face: usize) -> bool {
+    let [a, b, c] = mesh.corners(face);
+    // Equal numbers are the same place: -0 equals 0, and NaN is not finite.
+    a.is_finite() && b.is_finite() && c.is_finite() && a != b && b != c && c != a
 }
 
 /// Union-find over the vertices; the smallest vertex of a component becomes its root.
 fn join_vertices(mesh: &TriMesh, boundary: &Boundary) -> Vec<u32> {
     let mut parents: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    // Reading every corner's position is what would cost most here.
+    let may_be_ignored = boundary.defects.non_finite + boundary.defects.degenerate > 0;
     for (face, &[a, b, c]) in mesh.triangles.iter().enumerate() {
-        if is_finite(mesh, face) {
+        if !may_be_ignored || is_counted(mesh, face) {
             join(&mut parents, a, b);
             join(&mut parents, b, c);
         }
