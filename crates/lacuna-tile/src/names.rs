@@ -77,7 +77,8 @@ impl TileName {
 
 /// The stem of the tile at `index` in the manner of `template`: same prefix, sign style, zero padding and tail.
 ///
-/// A negative number in an unsigned template gets its minus in front of the padding (`cell_-01_00`).
+/// A negative number in an unsigned template gets its minus in front of the padding (`cell_-01_00`); two of them read back
+/// as a signed pair.
 #[must_use]
 pub fn format_like(template: &TileName, index: (i32, i32)) -> String {
     let (x, y) = (template.digits.0, template.digits.1);

@@ -2,7 +2,8 @@
 
 #![allow(clippy::print_stderr, reason = "a test that skips says so")]
 
-use lacuna_tile::{SceneOptions, hollow_tile_path, open_scene};
+use lacuna_tile::{SceneOptions, TileName, format_like, hollow_tile_path, open_scene, output_path};
+use proptest::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -216,6 +217,54 @@ fn hollow_cells_are_named_like_their_neighbours() {
         let folder = scene_of(files);
         let scene = open_scene(folder.path(), &SceneOptions::default()).expect("scene");
         assert_eq!(hollow_tile_path(&scene, index, &scene.groups[0]), expected, "files {files:?}");
+    }
+}
+
+#[test]
+fn the_order_of_creation_does_not_matter() {
+    let mut files =
+        ["b/Tile_+001_+000.obj", "a/Tile_+000_+000.obj", "c.txt", "a/x.jpg", "Tile_-001_+000.obj"];
+    let listing = |files: &[&str]| {
+        let folder = scene_of(files);
+        let scene = open_scene(folder.path(), &SceneOptions::default()).expect("scene");
+        let tiles: Vec<String> = scene.tiles.iter().map(|t| t.relative.clone()).collect();
+        (tiles, scene.side_files, scene.groups)
+    };
+    let first = listing(&files);
+    files.reverse();
+    assert_eq!(listing(&files), first);
+    files.swap(0, 3);
+    assert_eq!(listing(&files), first);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(11), ..ProptestConfig::default() })]
+
+    #[test]
+    fn names_made_like_others_read_back(x in any::<i32>(), y in any::<i32>(), signed in any::<bool>(), tail in "(_L[0-9]{1,2}(_[0-7u]{1,9})?)?") {
+        let stem = if signed { format!("Some Tile_+007_-01{tail}") } else { format!("Some Tile_007_01{tail}") };
+        let template = TileName::parse(&stem).expect("a name");
+        let made = TileName::parse(&format_like(&template, (x, y))).expect("a name again");
+        prop_assert_eq!(made.index, (x, y));
+        prop_assert_eq!(&made.prefix, "Some Tile");
+        prop_assert_eq!(made.tail.unwrap_or_default(), tail);
+        prop_assert_eq!(made.signed, signed || (x < 0 && y < 0), "two minus signs look like a signed pair");
+    }
+
+    #[test]
+    fn any_text_is_a_name_or_not(stem in "[_+0-9Lué-]{0,24}|.{0,24}") {
+        if let Some(name) = TileName::parse(&stem).filter(|name| name.z.is_none()) {
+            prop_assert_eq!(format_like(&name, name.index), stem);
+        }
+    }
+
+    #[test]
+    fn no_path_leaves_the_output(relative in "[./a\\\\:]{0,12}|.{0,12}") {
+        if let Ok(path) = output_path(Path::new("/out"), &relative) {
+            prop_assert!(path.starts_with("/out"));
+            let inside = path.strip_prefix("/out").expect("inside");
+            prop_assert!(inside.components().all(|c| matches!(c, std::path::Component::Normal(_))));
+        }
     }
 }
 
