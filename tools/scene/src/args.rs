@@ -1,6 +1,7 @@
 //! The command line.
 
 use clap::{Args as ClapArgs, Parser, Subcommand};
+use scene::dig::DigOptions;
 use scene::encode::Format;
 use scene::maker::{CutOption, MakeOptions};
 use scene::preset::Preset;
@@ -21,6 +22,41 @@ pub(crate) struct Args {
 pub(crate) enum Verb {
     /// Make a synthetic scene: tiles, scene.json and truth.csv
     Make(MakeArgs),
+    /// Dig discs into an existing scene of binary PLY or OBJ tiles, and keep the truth
+    Dig(DigArgs),
+}
+
+/// Arguments of `dig`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct DigArgs {
+    /// Folder of tiles
+    pub(crate) scene: PathBuf,
+    /// New or empty folder
+    pub(crate) out: PathBuf,
+    /// How many discs
+    #[arg(long, value_name = "N")]
+    discs: usize,
+    /// Smallest and largest radius, metres
+    #[arg(long, value_name = "A,B", value_parser = parse_pair::<f64>)]
+    radius: [f64; 2],
+    /// Put centres on borders between tiles
+    #[arg(long)]
+    across_borders: bool,
+    /// Seed of places and radii
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+impl DigArgs {
+    /// The options that the arguments ask for.
+    pub(crate) fn options(&self) -> DigOptions {
+        DigOptions {
+            discs: self.discs,
+            radius_m: self.radius,
+            across_borders: self.across_borders,
+            seed: self.seed,
+        }
+    }
 }
 
 /// Arguments of `make`.
@@ -103,13 +139,17 @@ fn parse_cut(text: &str) -> Result<CutOption, String> {
 }
 
 /// Two numbers with a comma between.
-pub(crate) fn parse_pair<T: FromStr>(text: &str) -> Result<[T; 2], String> {
+fn parse_pair<T: FromStr>(text: &str) -> Result<[T; 2], String> {
     split_pair(text, ',')
 }
 
 fn parse_size(text: &str) -> Result<[i64; 2], String> {
     let size: [i64; 2] = split_pair(text, 'x')?;
-    if size.iter().all(|k| (1..=10_000).contains(k)) { Ok(size) } else { Err("give 1 to 10000 each".to_owned()) }
+    if size.iter().all(|k| (1..=10_000).contains(k)) {
+        Ok(size)
+    } else {
+        Err("give 1 to 10000 each".to_owned())
+    }
 }
 
 fn split_pair<T: FromStr>(text: &str, mark: char) -> Result<[T; 2], String> {

@@ -54,7 +54,9 @@ mod tests {
     #[test]
     fn names_are_those_of_the_field() {
         let names: Vec<String> =
-            [Class::Closed, Class::Internal(Form::Hollow), Class::External(Form::Island)].map(|c| c.to_string()).into();
+            [Class::Closed, Class::Internal(Form::Hollow), Class::External(Form::Island)]
+                .map(|c| c.to_string())
+                .into();
         assert_eq!(names, ["closed", "I-A", "II-D"]);
     }
 }

@@ -139,7 +139,11 @@ fn form_of(sides_of_pieces: &[usize], has_island: bool) -> Form {
 }
 
 /// For each stretch of perimeter between openings: on how many sides it has kept triangles.
-fn sides_of_stretches(states: &[State], perimeter: &[(usize, Side)], opened: impl Fn(usize) -> bool) -> Vec<usize> {
+fn sides_of_stretches(
+    states: &[State],
+    perimeter: &[(usize, Side)],
+    opened: impl Fn(usize) -> bool,
+) -> Vec<usize> {
     let length = perimeter.len();
     let starts = (0..length).filter(|&k| !opened(k) && opened((k + length - 1) % length));
     starts
@@ -158,7 +162,12 @@ fn sides_of_stretches(states: &[State], perimeter: &[(usize, Side)], opened: imp
 }
 
 /// True if kept surface next to these triangles has no edge on the perimeter.
-fn has_island(lattice: &Lattice, regions: &Regions, perimeter: &[(usize, Side)], triangles: &[usize]) -> bool {
+fn has_island(
+    lattice: &Lattice,
+    regions: &Regions,
+    perimeter: &[(usize, Side)],
+    triangles: &[usize],
+) -> bool {
     let mut ashore = vec![false; regions.count];
     for (t, _) in perimeter {
         ashore[regions.of[*t]] = true;

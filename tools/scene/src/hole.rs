@@ -24,7 +24,8 @@ impl Hole {
     #[must_use]
     pub fn takes(&self, cell: Cell, centroid: Place) -> bool {
         self.hollow.contains(&cell)
-            || (self.parts.iter().any(|s| s.contains(centroid)) && !self.islands.iter().any(|s| s.contains(centroid)))
+            || (self.parts.iter().any(|s| s.contains(centroid))
+                && !self.islands.iter().any(|s| s.contains(centroid)))
     }
 
     /// True if the hole may take triangles in the box from `low` to `high`, metres.

@@ -322,7 +322,10 @@ mod tests {
             assert_eq!(sorted, all, "node {a},{b}");
             if a > 0 && a < n && b > 0 && b < n {
                 for k in 0..fan.len() {
-                    assert!(lattice.neighbours(fan[k]).contains(&Some(fan[(k + 1) % fan.len()])), "node {a},{b}");
+                    assert!(
+                        lattice.neighbours(fan[k]).contains(&Some(fan[(k + 1) % fan.len()])),
+                        "node {a},{b}"
+                    );
                 }
             }
         }
@@ -330,7 +333,8 @@ mod tests {
 
     #[test]
     fn a_halo_is_the_neighbours_own_lattice() {
-        let (west, east) = (Lattice::new(&rule(Cut::Exact), [0, 0], 3), Lattice::new(&rule(Cut::Exact), [1, 0], 0));
+        let (west, east) =
+            (Lattice::new(&rule(Cut::Exact), [0, 0], 3), Lattice::new(&rule(Cut::Exact), [1, 0], 0));
         for b in 0..=13 {
             for a in 0..=3 {
                 assert_eq!(

@@ -3,11 +3,12 @@
 //! `scene make` plans holes ([`preset`], [`stamp`]), makes each cell's triangulated lattice ([`lattice`]), leaves out the
 //! triangles that holes take and cleans the rims ([`removal`]), counts the classes on what is left ([`classify`]), and
 //! writes tiles, `scene.json` and `truth.csv` ([`mod@make`]). One cell is in memory at a time, and any cell can be made
-//! alone with the same bytes.
+//! alone with the same bytes. `scene dig` ([`mod@dig`]) takes faces out of existing tiles.
 
 pub mod area;
 pub mod class;
 pub mod classify;
+pub mod dig;
 pub mod encode;
 pub mod frame;
 pub mod hole;

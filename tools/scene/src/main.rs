@@ -1,4 +1,4 @@
-//! Makes tiled scenes with known holes.
+//! Makes tiled scenes with known holes, and digs holes into real ones.
 #![allow(clippy::print_stdout, reason = "the command line prints its results")]
 
 mod args;
@@ -6,6 +6,7 @@ mod args;
 use anyhow::Result;
 use args::{Args, Verb};
 use clap::Parser;
+use scene::dig::dig;
 use scene::make::{Summary, make};
 use scene::maker::Maker;
 
@@ -14,6 +15,14 @@ fn main() -> Result<()> {
         Verb::Make(args) => {
             let maker = Maker::new(args.options())?;
             print_summary(&make(&maker, &args.out)?);
+        }
+        Verb::Dig(args) => {
+            let summary = dig(&args.scene, &args.out, &args.options())?;
+            println!(
+                "{} of {} tiles dug, {} vertices lost",
+                summary.changed_tiles, summary.tiles, summary.lost_vertices
+            );
+            println!("faces taken by each disc: {:?}", summary.removed);
         }
     }
     Ok(())

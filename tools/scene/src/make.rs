@@ -43,7 +43,9 @@ pub enum MakeError {
         source: std::io::Error,
     },
     /// A cell shows other holes than planned.
-    #[error("{tile}: the triangles show {found}, planned were {planned}; take more --triangles or another --seed")]
+    #[error(
+        "{tile}: the triangles show {found}, planned were {planned}; take more --triangles or another --seed"
+    )]
     Classes {
         /// The tile's name.
         tile: String,
@@ -108,5 +110,9 @@ fn check_classes(maker: &Maker, scene: &CellScene) -> Result<(), MakeError> {
             list.iter().map(|(k, class)| format!("{} {class}", maker.plan().holes[*k as usize].id)).collect();
         if names.is_empty() { "no hole".to_owned() } else { names.join(", ") }
     };
-    Err(MakeError::Classes { tile: maker.tile_name(scene.cell), found: named(&found), planned: named(&planned) })
+    Err(MakeError::Classes {
+        tile: maker.tile_name(scene.cell),
+        found: named(&found),
+        planned: named(&planned),
+    })
 }

@@ -9,7 +9,7 @@ use crate::order::{renumber_vertices, shuffle_triangles};
 use crate::plan::Plan;
 use crate::preset::{PlanError, Preset};
 use crate::random::Rng;
-use crate::removal::{HALO, remove};
+use crate::removal::{HALO, Numbered, remove};
 use crate::terrain::{Terrain, buildings, height_units};
 use crate::tile::{CellScene, Tile, gather};
 
@@ -90,13 +90,17 @@ pub enum OptionError {
     #[error("a shift would be rounded in this format: take --format obj or ply-double")]
     ShiftInSinglePrecision,
     /// Too large a scene for single precision.
-    #[error("{width_m} m are too wide for exact single precision (16,384 m): take --format obj, glb or ply-double")]
+    #[error(
+        "{width_m} m are too wide for exact single precision (16,384 m): take --format obj, glb or ply-double"
+    )]
     TooWide {
         /// Larger side of the scene, metres.
         width_m: f64,
     },
     /// A margin that the triangles can't follow.
-    #[error("borders may move by 0 to {most_m:.3} m at this triangle size, not {asked_m} m: lower it or take fewer --triangles")]
+    #[error(
+        "borders may move by 0 to {most_m:.3} m at this triangle size, not {asked_m} m: lower it or take fewer --triangles"
+    )]
     CutTooWide {
         /// As asked for, metres.
         asked_m: f64,
@@ -107,7 +111,9 @@ pub enum OptionError {
 
 /// The rims of a cell could not be cleaned.
 #[derive(Debug, thiserror::Error)]
-#[error("cell {cell:?}: its rims are still pinched after the clean-up; take more --triangles or another --seed")]
+#[error(
+    "cell {cell:?}: its rims are still pinched after the clean-up; take more --triangles or another --seed"
+)]
 pub struct PinchedError {
     /// The cell, as planned.
     pub cell: Cell,
@@ -183,10 +189,10 @@ impl Maker {
         let step_m = self.plan.cell_size_m / self.rule.quads as f64;
         let exact = self.rule.cut == Cut::Exact;
         let reach_m = if exact { (HALO + 1) as f64 * step_m } else { 2.0 * step_m + self.overrun_m() };
-        let near_hole = self.plan.holes.iter().any(|h| self.may_touch(h, cell, reach_m));
-        let lattice = Lattice::new(&self.rule, cell, if exact && near_hole { HALO } else { 0 });
-        let holes: &[Hole] = if near_hole { &self.plan.holes } else { &[] };
-        let states = remove(&lattice, &self.plan.area, holes).ok_or(PinchedError { cell })?;
+        let holes: Vec<Numbered> =
+            (0..).zip(&self.plan.holes).filter(|(_, h)| self.may_touch(h, cell, reach_m)).collect();
+        let lattice = Lattice::new(&self.rule, cell, if exact && !holes.is_empty() { HALO } else { 0 });
+        let states = remove(&lattice, &self.plan.area, &holes).ok_or(PinchedError { cell })?;
         let wanted = self.options.buildings;
         let blocks = buildings(&self.plan, &self.terrain, cell, wanted, 4.0 * step_m, self.rule.seed);
         Ok(gather(&lattice, &states, &self.plan.area, |node| height_units(&self.terrain, &blocks, node)))
@@ -241,7 +247,8 @@ fn cut_in_units(cut: CutOption, step_m: f64) -> Result<Cut, OptionError> {
     let units = |asked_m: f64| {
         let most_m = 0.4 * step_m;
         let fits = asked_m > 0.0 && asked_m <= most_m;
-        fits.then_some((asked_m * UNITS_PER_M).round() as i64).ok_or(OptionError::CutTooWide { asked_m, most_m })
+        fits.then_some((asked_m * UNITS_PER_M).round() as i64)
+            .ok_or(OptionError::CutTooWide { asked_m, most_m })
     };
     Ok(match cut {
         CutOption::Exact => Cut::Exact,

@@ -59,7 +59,9 @@ impl Preset {
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
     /// The holes don't fit.
-    #[error("{columns} x {rows} cells are too few for this preset: give --cells {least_columns}x{least_rows} or more")]
+    #[error(
+        "{columns} x {rows} cells are too few for this preset: give --cells {least_columns}x{least_rows} or more"
+    )]
     TooFewCells {
         /// Columns asked for.
         columns: i64,

@@ -129,7 +129,7 @@ impl Record {
         };
         let path = out.join("scene.json");
         let file = BufWriter::new(File::create(&path).map_err(|e| io_error(&path, e))?);
-        serde_json::to_writer_pretty(file, &self.scene(maker, &summary)).map_err(|e| io_error(&path, e.into()))?;
+        serde_json::to_writer(file, &self.scene(maker, &summary)).map_err(|e| io_error(&path, e.into()))?;
         Ok(summary)
     }
 
@@ -167,7 +167,8 @@ impl Record {
         let pieces = &self.pieces[k];
         let key = |cell: &Cell| format!("{},{}", cell[0], cell[1]);
         let class = |p: &PieceRecord| p.class.map(|c| c.to_string()).unwrap_or_default();
-        let outline = |ring: Vec<Place>| -> Vec<Place> { ring.into_iter().map(|p| in_scene(maker, p)).collect() };
+        let outline =
+            |ring: Vec<Place>| -> Vec<Place> { ring.into_iter().map(|p| in_scene(maker, p)).collect() };
         let mut polygons: Vec<Outline> =
             hole.parts.iter().map(|s| Outline::Polygon(outline(s.outline()))).collect();
         if !hole.hollow.is_empty() {
@@ -185,11 +186,11 @@ impl Record {
     }
 }
 
-/// A planned place as it lies in the files.
+/// A planned place as it lies in the files, rounded to a millimetre: outlines are for people and maps.
 fn in_scene(maker: &Maker, place: Place) -> Place {
     let [x, y] = maker.frame().place(place, maker.plan().cell_size_m);
     let shift = maker.options().shift_m;
-    [x + shift[0], y + shift[1]]
+    [x + shift[0], y + shift[1]].map(|k| (k * 1000.0).round() / 1000.0)
 }
 
 fn write_lost(truth: &mut impl Write, maker: &Maker, lost: &Lost) -> std::io::Result<()> {

@@ -12,6 +12,9 @@ const ROUNDS: usize = 5;
 /// Quads round a cell that its clean-up may depend on: each round looks two quads far, the final check one.
 pub const HALO: i64 = 2 * ROUNDS as i64 + 2;
 
+/// A hole with its index in the plan.
+pub type Numbered<'a> = (u32, &'a Hole);
+
 /// What became of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum State {
@@ -37,12 +40,14 @@ impl State {
 /// States of all triangles of a lattice after the clean-up; `None` if a rim of the cell is still pinched or has
 /// hanging triangles after [`ROUNDS`] rounds.
 ///
+/// `holes` are those that may reach the lattice.
+///
 /// 1. Triangles whose centroid a hole takes are left out.
 /// 2. Round a vertex (in the whole scene, and in each cell alone) the kept triangles must be one run: all but the
 ///    largest run go. In a cell, a run at a border vertex must also reach the border.
 /// 3. Triangles that hang by one edge or none go.
 #[must_use]
-pub fn remove(lattice: &Lattice, area: &Area, holes: &[Hole]) -> Option<Vec<State>> {
+pub fn remove(lattice: &Lattice, area: &Area, holes: &[Numbered]) -> Option<Vec<State>> {
     let mut states = first_states(lattice, area, holes);
     if states.iter().any(|s| s.hole().is_some()) {
         for _ in 0..ROUNDS {
@@ -73,7 +78,7 @@ fn apply(states: &mut [State], doomed: Doomed) -> bool {
     any
 }
 
-fn first_states(lattice: &Lattice, area: &Area, holes: &[Hole]) -> Vec<State> {
+fn first_states(lattice: &Lattice, area: &Area, holes: &[Numbered]) -> Vec<State> {
     (0..lattice.triangle_count())
         .map(|t| {
             let cell = lattice.cell_of(t / 2);
@@ -82,11 +87,11 @@ fn first_states(lattice: &Lattice, area: &Area, holes: &[Hole]) -> Vec<State> {
         .collect()
 }
 
-fn state_in_plan(lattice: &Lattice, cell: Cell, triangle: usize, holes: &[Hole]) -> State {
+fn state_in_plan(lattice: &Lattice, cell: Cell, triangle: usize, holes: &[Numbered]) -> State {
     let corners = lattice.corners(triangle).map(|v| lattice.nodes[v]);
     let centroid = [0, 1].map(|k| corners.iter().map(|c| c[k]).sum::<i64>() as f64 / (3.0 * UNITS_PER_M));
-    let hole = holes.iter().position(|h| h.takes(cell, centroid));
-    hole.map_or(State::Kept, |h| State::Removed(h as u32))
+    let hole = holes.iter().find(|(_, h)| h.takes(cell, centroid));
+    hole.map_or(State::Kept, |(number, _)| State::Removed(*number))
 }
 
 /// Kept triangles in the smaller runs round a vertex. With `inner`, only nodes of the cell in the middle are looked at.

@@ -69,9 +69,16 @@ impl Blob {
         self.radius_m * factor
     }
 
+    fn largest_radius_m(&self) -> f64 {
+        self.radius_m * (1.0 + self.waves.iter().map(|w| w.cosine.abs() + w.sine.abs()).sum::<f64>())
+    }
+
     fn contains(&self, place: Place) -> bool {
         let (dx, dy) = (place[0] - self.centre[0], place[1] - self.centre[1]);
         let distance = (dx * dx + dy * dy).sqrt();
+        if distance > self.largest_radius_m() {
+            return false;
+        }
         distance == 0.0 || distance < self.radius_towards_m(dx / distance, dy / distance)
     }
 
@@ -105,14 +112,15 @@ impl Shape {
     pub fn bounds(&self) -> [Place; 2] {
         match self {
             Self::Blob(b) => {
-                let waviness: f64 = b.waves.iter().map(|w| w.cosine.abs() + w.sine.abs()).sum();
-                let reach = b.radius_m * (1.0 + waviness);
+                let reach = b.largest_radius_m();
                 [[b.centre[0] - reach, b.centre[1] - reach], [b.centre[0] + reach, b.centre[1] + reach]]
             }
             Self::Band { line, half_width_m } => {
-                let lowest = |axis: usize| line.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min) - half_width_m;
-                let highest =
-                    |axis: usize| line.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max) + half_width_m;
+                let lowest =
+                    |axis: usize| line.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min) - half_width_m;
+                let highest = |axis: usize| {
+                    line.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max) + half_width_m
+                };
                 [[lowest(0), lowest(1)], [highest(0), highest(1)]]
             }
         }
@@ -169,7 +177,8 @@ mod tests {
 
     fn polygon_area(ring: &[Place]) -> f64 {
         let n = ring.len();
-        (0..n).map(|k| ring[k][0] * ring[(k + 1) % n][1] - ring[(k + 1) % n][0] * ring[k][1]).sum::<f64>() / 2.0
+        (0..n).map(|k| ring[k][0] * ring[(k + 1) % n][1] - ring[(k + 1) % n][0] * ring[k][1]).sum::<f64>()
+            / 2.0
     }
 
     fn sampled_area(shape: &Shape) -> f64 {

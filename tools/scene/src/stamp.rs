@@ -81,7 +81,8 @@ pub fn corner_pond(at: &Placement, rng: &mut Rng) -> Hole {
 /// A bay is given as the hollow cell and the side it leaves by. No cell may get two bays.
 #[must_use]
 pub fn lake(at: &Placement, hollow: &[Cell], bays: &[(Cell, Side)], rng: &mut Rng) -> Hole {
-    let mut expected: Vec<(Cell, Class)> = hollow.iter().map(|&c| (c, Class::Internal(Form::Hollow))).collect();
+    let mut expected: Vec<(Cell, Class)> =
+        hollow.iter().map(|&c| (c, Class::Internal(Form::Hollow))).collect();
     let mut parts = Vec::new();
     for &(cell, side) in bays {
         let other = beyond(cell, side);

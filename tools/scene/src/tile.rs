@@ -40,7 +40,12 @@ pub struct CellScene {
 
 /// Gathers a cell from its lattice and states; `height` gives a node's height in lattice units.
 #[must_use]
-pub fn gather(lattice: &Lattice, states: &[State], area: &Area, height: impl Fn([i64; 2]) -> i64) -> CellScene {
+pub fn gather(
+    lattice: &Lattice,
+    states: &[State],
+    area: &Area,
+    height: impl Fn([i64; 2]) -> i64,
+) -> CellScene {
     let pieces = classify(lattice, states, area);
     let at = |node: usize| {
         let [x, y] = lattice.nodes[node];

@@ -21,7 +21,13 @@ fn y_up([x, y, z]: [i64; 3], corner: [i64; 2]) -> [f32; 3] {
     [x as f32, z as f32, (0.0 - y) as f32]
 }
 
-fn document(tile: &Tile, local: &[[f32; 3]], origin: &Origin, index_bytes: usize, bytes: usize) -> serde_json::Value {
+fn document(
+    tile: &Tile,
+    local: &[[f32; 3]],
+    origin: &Origin,
+    index_bytes: usize,
+    bytes: usize,
+) -> serde_json::Value {
     let bound = |pick: fn(f32, f32) -> f32| {
         let start = local.first().copied().unwrap_or_default();
         local.iter().fold(start, |a, b| [pick(a[0], b[0]), pick(a[1], b[1]), pick(a[2], b[2])])

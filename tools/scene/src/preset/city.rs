@@ -7,7 +7,8 @@ use crate::hole::Hole;
 use crate::plan::Plan;
 use crate::random::Rng;
 use crate::stamp::{
-    Placement, border_pond, corner_pond, corner_river, edge_island_pond, edge_pond, island_pond, lake, pond, river,
+    Placement, border_pond, corner_pond, corner_river, edge_island_pond, edge_pond, island_pond, lake, pond,
+    river,
 };
 use std::collections::BTreeSet;
 
@@ -43,7 +44,9 @@ const PONDS: usize = 56;
 /// cells (at least once).
 pub(super) fn plan(cells: Option<[i64; 2]>, rng: &mut Rng) -> Result<Plan, PlanError> {
     let area = match cells {
-        None => Area::irregular(BOX[0], BOX[1], CELLS, rng).ok_or(PlanError::NoRoom { cells: CELLS as usize })?,
+        None => {
+            Area::irregular(BOX[0], BOX[1], CELLS, rng).ok_or(PlanError::NoRoom { cells: CELLS as usize })?
+        }
         Some([columns, rows]) => Area::rectangle(columns, rows),
     };
     let times = (area.len() / CELLS as usize).max(1);
