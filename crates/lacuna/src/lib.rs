@@ -1,1 +1,18 @@
-//! lacuna
+//! Repairs the holes of tiled city and terrain meshes, from the tiles alone.
+//!
+//! The library behind the command line: configuration, the pipeline (scan, plan, close, fill, seams, write), report.
+
+pub mod cli;
+pub mod config;
+mod exit;
+mod geometry;
+mod interrupt;
+mod pipeline;
+pub mod logging;
+pub mod progress;
+pub mod report;
+
+pub use exit::ExitCode;
+pub use geometry::PolygonSet;
+pub use interrupt::Interrupt;
+pub use pipeline::{RunError, RunResult, inspect, repair};

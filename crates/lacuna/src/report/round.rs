@@ -7,7 +7,7 @@ use serde::{Deserialize, Deserializer, Serializer};
 
 /// The nearest number with `digits` decimals (at most 9); numbers that are not finite stay as they are.
 #[must_use]
-pub fn round_to(value: f64, digits: u32) -> f64 {
+pub(crate) fn round_to(value: f64, digits: u32) -> f64 {
     let scale = 10f64.powi(digits.min(9).cast_signed());
     let rounded = (value * scale).round() / scale;
     // Too large to hold the decimals (or not finite): there is nothing to round. `+ 0.0` turns -0 into 0.

@@ -1,0 +1,19 @@
+//! The main job, stage by stage: scan, plan, close, fill, seams, write, report.
+
+mod area;
+mod assemble;
+mod context;
+mod error;
+mod frames;
+mod manifest;
+mod names;
+mod out_dir;
+mod scan;
+mod select;
+mod solve;
+mod write;
+
+pub use error::RunError;
+pub use run::{RunResult, inspect, repair};
+
+mod run;

@@ -1,0 +1,361 @@
+//! `inspect` and `repair`.
+
+use super::area::area;
+use super::assemble::{
+    HoleOutcome, cluster_records, drawing, hole_records, outcomes, scene_record, seam_record,
+};
+use super::context::{Context, Stages};
+use super::frames::{Frames, SeamFacts};
+use super::manifest::{InputFile, MANIFEST, Manifest, write_whole};
+use super::names::Names;
+use super::out_dir::{self, OutDir};
+use super::scan::{Scanned, scan};
+use super::select::{Decision, Places, fill_settings, select};
+use super::solve::{Fills, Solved, solve};
+use super::write::{WriteInput, WrittenFiles, hex, write};
+use super::RunError;
+use crate::ExitCode;
+use crate::Interrupt;
+use crate::config::{FailOn, MethodName, Settings};
+use crate::progress::Progress;
+use crate::report::{Drawing, Execution, Outcome, REPORT_VERSION, Report, Summary};
+use glam::DVec2;
+use lacuna_close::Curves;
+use lacuna_grid::{CellId, Side};
+use lacuna_hole::{ClusterRule, Plan, PlanOptions, fit_borders, plan};
+use lacuna_tile::{Scene, SceneError, SceneOptions, hollow_tile_path, open_scene};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::time::UNIX_EPOCH;
+
+/// A finished run.
+#[derive(Clone, Debug)]
+pub struct RunResult {
+    /// The report.
+    pub report: Report,
+    /// Shapes for map and page.
+    pub drawing: Drawing,
+    /// How the process should end.
+    pub exit: ExitCode,
+}
+
+/// A scene, scanned and planned.
+struct Planned {
+    scene: Scene,
+    scanned: Scanned,
+    plan: Plan,
+    names: Names,
+    decisions: Vec<Decision>,
+    places: Places,
+    /// Template cell and relative path of the tile of every hollow cell.
+    hollow: BTreeMap<CellId, (CellId, String)>,
+    srs_origin: DVec2,
+}
+
+/// Finds and classifies all holes of a scene; writes no tile.
+///
+/// # Errors
+/// Unreadable scene, unusable settings, a memory limit too small for a tile, or a stop.
+pub fn inspect(settings: &Settings, interrupt: &Interrupt, progress: &Progress) -> Result<RunResult, RunError> {
+    let context = Context::new(settings, interrupt, progress)?;
+    let mut stages = Stages::default();
+    let mut planned = scan_and_plan(&context, &mut stages)?;
+    for decision in &mut planned.decisions {
+        if *decision == Decision::Fill {
+            *decision = Decision::Skip("inspected only".to_owned());
+        }
+    }
+    let (fills, curves) = (Fills::new(), Curves::default());
+    let result = finish(&planned, &fills, &curves, &BTreeMap::new(), stages, &context);
+    Ok(result)
+}
+
+/// Repairs a scene into the output folder of the settings: scan, plan, close and fill, write, report.
+///
+/// # Errors
+/// As `inspect`; an output folder that may not be written; errors of the disk.
+pub fn repair(settings: &Settings, interrupt: &Interrupt, progress: &Progress) -> Result<RunResult, RunError> {
+    let Some(out) = settings.scene.output.as_deref() else {
+        return Err(RunError::usage("no output folder; give it after the scene, or as scene.output"));
+    };
+    if settings.run.dry_run {
+        return inspect(settings, interrupt, progress);
+    }
+    let context = Context::new(settings, interrupt, progress)?;
+    let mut stages = Stages::default();
+    let out = out_dir::take(&settings.scene.input, out, settings.run.overwrite)?;
+    let planned = scan_and_plan(&context, &mut stages)?;
+    let solved = stages.measure("fill", || fill(&planned, &context))?;
+    let (written, refused) = stages.measure("write", || write_all(&planned, &solved.fills, &out, &context))?;
+    let result = finish(&planned, &solved.fills, &solved.curves, &refused, stages, &context);
+    write_run_files(&planned, written, &result, &out, &context)?;
+    Ok(result)
+}
+
+fn scan_and_plan(context: &Context<'_>, stages: &mut Stages) -> Result<Planned, RunError> {
+    let settings = context.settings;
+    let options = SceneOptions { follow_symlinks: false };
+    let scene = open_scene(&settings.scene.input, &options).map_err(scene_error)?;
+    scene.warnings.iter().for_each(|w| tracing::warn!("{w}"));
+    let scanned = stages.measure("scan", || scan(&scene, context))?;
+    stages.measure("plan", || make_plan(scene, scanned, context))
+}
+
+fn scene_error(error: SceneError) -> RunError {
+    let exit = match error {
+        SceneError::Io { .. } => ExitCode::InputOutput,
+        _ => ExitCode::Usage,
+    };
+    RunError { exit, message: error.to_string() }
+}
+
+fn make_plan(scene: Scene, scanned: Scanned, context: &Context<'_>) -> Result<Planned, RunError> {
+    let settings = context.settings;
+    let area = area(&scanned, &settings.area.limit);
+    let unreadable = scanned.unreadable_cells(&area.cells);
+    let options = PlanOptions {
+        grid: scanned.grid.grid,
+        fit: fit_borders(&scanned.surveys, &scanned.grid.grid),
+        rule: match settings.fill.method {
+            MethodName::Layered => ClusterRule::Cell,
+            MethodName::Field | MethodName::Aggregate => ClusterRule::Interval,
+        },
+        unreadable,
+        area,
+    };
+    let plan = plan(&scanned.surveys, &options);
+    let hollow = hollow_tiles(&scene, &scanned, &plan);
+    let origin = settings.scene.srs_origin.or_else(|| scene.metadata.as_ref().map(|m| m.srs_origin));
+    let srs_origin = origin.map_or(DVec2::ZERO, |o| DVec2::new(o[0], o[1]));
+    let hollow_names = hollow.iter().map(|(c, (_, path))| (*c, stem(path))).collect();
+    let names = Names::new(&plan, &scanned.tiles, &hollow_names, srs_origin);
+    let places = Places { regions: BTreeMap::new() };
+    let decisions = select(&plan, &names, settings, &places);
+    Ok(Planned { scene, scanned, plan, names, decisions, places, hollow, srs_origin })
+}
+
+fn stem(path: &str) -> String {
+    let name = path.rsplit('/').next().unwrap_or(path);
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_owned()
+}
+
+/// A template and a path for the tile of every cell of the area without one: the 4-neighbour of lowest index that has
+/// a tile, else the nearest (decisions 6).
+fn hollow_tiles(scene: &Scene, scanned: &Scanned, plan: &Plan) -> BTreeMap<CellId, (CellId, String)> {
+    let mut hollow = BTreeMap::new();
+    for &cell in plan.domains.keys().filter(|c| !scanned.tiles.contains_key(c)) {
+        let mut beside: Vec<CellId> = Side::ALL.iter().map(|&s| cell.neighbour(s)).collect();
+        beside.sort_unstable();
+        let neighbour = beside.into_iter().find(|c| scanned.tiles.contains_key(c));
+        let distance = |c: &CellId| {
+            let (di, dj) = (i64::from(c.i - cell.i), i64::from(c.j - cell.j));
+            di * di + dj * dj
+        };
+        let nearest = || scanned.tiles.keys().copied().min_by_key(|c| (distance(c), *c));
+        if let Some(template) = neighbour.or_else(nearest) {
+            let group = &scene.groups[scanned.tiles[&template].group];
+            hollow.insert(cell, (template, hollow_tile_path(scene, (cell.i, cell.j), group)));
+        }
+    }
+    hollow
+}
+
+fn fill(planned: &Planned, context: &Context<'_>) -> Result<Solved, RunError> {
+    let todo: BTreeSet<u32> = planned
+        .plan
+        .clusters
+        .iter()
+        .zip(&planned.decisions)
+        .filter(|(_, d)| **d == Decision::Fill)
+        .flat_map(|(c, _)| c.holes.iter().copied())
+        .collect();
+    let settings_of = |hole: u32| {
+        let cluster = planned.plan.holes[hole as usize].cluster as usize;
+        fill_settings(&planned.plan, cluster, context.settings, &planned.places)
+    };
+    let frames = frames(planned);
+    solve(&planned.scanned.surveys, &planned.plan, &frames, &todo, &settings_of, context)
+}
+
+fn frames(planned: &Planned) -> Frames {
+    let templates = planned.hollow.iter().map(|(c, (t, _))| (*c, *t)).collect();
+    Frames::new(&planned.scanned.tiles, &templates)
+}
+
+/// Writes all files. A tile that can't take its patches costs the clusters it touches: the others are written again
+/// without them, until what is written holds every cluster whole or not at all.
+fn write_all(
+    planned: &Planned,
+    fills: &Fills,
+    out: &OutDir,
+    context: &Context<'_>,
+) -> Result<(WrittenFiles, BTreeMap<CellId, String>), RunError> {
+    let mut manifest = start_manifest(planned, context)?;
+    manifest.write(&out.own.join(MANIFEST))?;
+    let mut refused: BTreeMap<CellId, String> = BTreeMap::new();
+    loop {
+        let outcomes = outcomes(&planned.plan, &planned.names, &planned.decisions, fills, &refused);
+        let holes: BTreeSet<u32> = (0..outcomes.len() as u32)
+            .filter(|&h| outcomes[h as usize].outcome == Outcome::Filled)
+            .collect();
+        let input = WriteInput {
+            scene: &planned.scene,
+            out: &out.root,
+            plan: &planned.plan,
+            names: &planned.names,
+            tiles: &planned.scanned.tiles,
+            fills,
+            holes: &holes,
+            hollow: &planned.hollow,
+        };
+        let written = write(&input, context)?;
+        if written.refused.is_empty() {
+            remove_stale(out, &written)?;
+            return Ok((written, refused));
+        }
+        refused.extend(written.refused);
+    }
+}
+
+/// Files that an earlier run wrote and this one did not.
+fn remove_stale(out: &OutDir, written: &WrittenFiles) -> Result<(), RunError> {
+    let Some(earlier) = &out.earlier else { return Ok(()) };
+    let now: BTreeSet<&str> = written.outputs.iter().map(|f| f.path.as_str()).collect();
+    let mut stale = earlier.clone();
+    stale.outputs.retain(|f| !now.contains(f.path.as_str()));
+    stale.delete_listed(&out.root)
+}
+
+fn start_manifest(planned: &Planned, context: &Context<'_>) -> Result<Manifest, RunError> {
+    let untouched = format!("{:?}", context.settings.scene.untouched).to_lowercase();
+    let mut manifest = Manifest::new(untouched);
+    for part in planned.scanned.tiles.values().flat_map(|t| &t.parts) {
+        let entry = &planned.scene.tiles[part.tile];
+        let path = planned.scene.path(entry);
+        manifest.inputs.push(InputFile {
+            path: entry.relative.clone(),
+            bytes: part.bytes,
+            modified_ns: modified_ns(&path),
+            blake3: hex(&part.hash),
+        });
+    }
+    manifest.inputs.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(manifest)
+}
+
+fn modified_ns(path: &Path) -> u64 {
+    let modified = std::fs::metadata(path).and_then(|m| m.modified());
+    let since = modified.ok().and_then(|t| t.duration_since(UNIX_EPOCH).ok());
+    since.map_or(0, |d| d.as_nanos() as u64)
+}
+
+/// Makes the report and says how the process should end.
+fn finish(
+    planned: &Planned,
+    fills: &Fills,
+    curves: &Curves,
+    refused: &BTreeMap<CellId, String>,
+    stages: Stages,
+    context: &Context<'_>,
+) -> RunResult {
+    let settings = context.settings;
+    let plan = &planned.plan;
+    let outcomes = outcomes(plan, &planned.names, &planned.decisions, fills, refused);
+    let is_filled = |h: u32| outcomes[h as usize].outcome == Outcome::Filled;
+    let seams = if curves.curves.is_empty() {
+        SeamFacts::default()
+    } else {
+        frames(planned).compare(plan, curves, is_filled)
+    };
+    let holes = hole_records(plan, &planned.names, &outcomes, fills, "layered");
+    let report = Report {
+        version: REPORT_VERSION,
+        lacuna: env!("CARGO_PKG_VERSION").to_owned(),
+        method: "layered".to_owned(),
+        threads: context.pool.thread_count(),
+        memory_limit_bytes: settings.run.memory_limit_bytes,
+        peak_rss_bytes: lacuna_system::peak_rss_bytes().unwrap_or(0),
+        scene: scene_record(&planned.scene, &planned.scanned, plan, settings),
+        clusters: cluster_records(plan, &planned.names, &outcomes, planned.srs_origin),
+        summary: Summary::from_holes(&holes),
+        holes,
+        seams: seam_record(&seams),
+        configuration: settings.to_json(),
+        not_holes: not_holes(plan),
+        defects: planned.scanned.defects.clone(),
+        warnings: planned.scene.warnings.clone(),
+        changed_tiles: changed_tiles(planned, &outcomes),
+        execution: Execution {
+            command: std::env::args().collect(),
+            scene: settings.scene.input.display().to_string(),
+            output: settings.scene.output.as_ref().map(|p| p.display().to_string()).unwrap_or_default(),
+            seconds: stages.records.iter().map(|s| s.seconds).sum(),
+            kept_clusters: 0,
+            settings: settings.run_facts(),
+        },
+        stages: stages.records,
+    };
+    let drawing = drawing(plan, &planned.scanned, &planned.names, &outcomes);
+    let exit = exit_code(&report, settings.run.fail_on);
+    RunResult { report, drawing, exit }
+}
+
+fn not_holes(plan: &Plan) -> BTreeMap<String, u64> {
+    let name = |n: &lacuna_hole::NotHole| {
+        serde_json::to_value(n).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+    };
+    let mut counts: BTreeMap<String, u64> =
+        plan.not_holes.iter().map(|(n, &count)| (name(n), u64::from(count))).collect();
+    if plan.unclear_stretches > 0 {
+        counts.insert("unclear_border".to_owned(), u64::from(plan.unclear_stretches));
+    }
+    counts
+}
+
+/// Relative paths of tiles that got a patch, those of hollow cells included.
+fn changed_tiles(planned: &Planned, outcomes: &[HoleOutcome]) -> Vec<String> {
+    let mut paths = BTreeSet::new();
+    for (hole, outcome) in planned.plan.holes.iter().zip(outcomes) {
+        if outcome.outcome != Outcome::Filled {
+            continue;
+        }
+        match planned.scanned.tiles.get(&hole.cell) {
+            Some(tile) => {
+                let relative = |p: &super::scan::Part| planned.scene.tiles[p.tile].relative.clone();
+                paths.extend(tile.parts.iter().map(relative));
+            }
+            None => paths.extend(planned.hollow.get(&hole.cell).map(|h| h.1.clone())),
+        }
+    }
+    paths.into_iter().collect()
+}
+
+fn exit_code(report: &Report, fail_on: FailOn) -> ExitCode {
+    let bad_tile = report.defects.iter().any(|d| d.unusable);
+    let failed = report.summary.failed > 0;
+    match fail_on {
+        FailOn::Never => ExitCode::Done,
+        FailOn::Tiles if bad_tile => ExitCode::Finished,
+        FailOn::Holes if bad_tile || failed => ExitCode::Finished,
+        _ => ExitCode::Done,
+    }
+}
+
+/// The plan, the list of changed tiles, and the manifest. The report's files are written after these.
+fn write_run_files(
+    planned: &Planned,
+    written: WrittenFiles,
+    result: &RunResult,
+    out: &OutDir,
+    context: &Context<'_>,
+) -> Result<(), RunError> {
+    let plan = serde_json::to_string_pretty(&planned.plan).map_err(|e| RunError::failed(e.to_string()))?;
+    write_whole(&out.own.join("plan.json"), plan.as_bytes())?;
+    let changed: String = result.report.changed_tiles.iter().map(|t| format!("{t}\n")).collect();
+    write_whole(&out.own.join("changed.txt"), changed.as_bytes())?;
+    let mut manifest = start_manifest(planned, context)?;
+    manifest.outputs = written.outputs;
+    manifest.finished = true;
+    manifest.write(&out.own.join(MANIFEST))
+}
+

@@ -1,0 +1,159 @@
+//! Which clusters a run fills, and why it leaves the others. Every rule looks at the whole cluster (decisions 4).
+
+use super::names::Names;
+use crate::config::{External, FillSettings, HoleClassFilter, HoleShapeFilter, Region, RegionPlace, Settings};
+use crate::geometry::PolygonSet;
+use glam::DVec2;
+use lacuna_hole::{Hole, HoleClass, HoleCluster, HoleShape, Plan};
+use std::collections::BTreeMap;
+
+/// What becomes of a cluster.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Decision {
+    Fill,
+    Skip(String),
+}
+
+/// Polygons of the regions and of the area, read before the plan.
+pub(crate) struct Places {
+    /// For each region, by number: its polygons in scene coordinates, if it is given by a file.
+    pub(crate) regions: BTreeMap<usize, PolygonSet>,
+}
+
+/// Decides every cluster of a plan.
+pub(crate) fn select(plan: &Plan, names: &Names, settings: &Settings, places: &Places) -> Vec<Decision> {
+    let selector = Selector { plan, names, settings, places };
+    (0..plan.clusters.len())
+        .map(|c| selector.reason_to_skip(c).map_or(Decision::Fill, Decision::Skip))
+        .collect()
+}
+
+/// Fill settings of a cluster: those of the last region that it lies in, else the scene's.
+pub(crate) fn fill_settings(plan: &Plan, cluster: usize, settings: &Settings, places: &Places) -> FillSettings {
+    last_region(plan, cluster, settings, places).map_or(settings.fill, |r| r.fill)
+}
+
+fn last_region<'a>(
+    plan: &Plan,
+    cluster: usize,
+    settings: &'a Settings,
+    places: &Places,
+) -> Option<&'a Region> {
+    let at = |k: &usize| lies_in(plan, cluster, &settings.regions[*k], places.regions.get(k));
+    (0..settings.regions.len()).rev().find(at).map(|k| &settings.regions[k])
+}
+
+/// True if a cluster lies in a region: for a point, if one of its holes holds it; else if its centre lies inside.
+fn lies_in(plan: &Plan, cluster: usize, region: &Region, polygons: Option<&PolygonSet>) -> bool {
+    let record = &plan.clusters[cluster];
+    match &region.at {
+        RegionPlace::Point(p) => holds(plan, record, DVec2::from(*p)),
+        RegionPlace::Box([west, south, east, north]) => {
+            (*west..=*east).contains(&record.centre.x) && (*south..=*north).contains(&record.centre.y)
+        }
+        RegionPlace::Polygon(_) => polygons.is_some_and(|set| set.contains(record.centre)),
+    }
+}
+
+fn holds(plan: &Plan, cluster: &HoleCluster, point: DVec2) -> bool {
+    cluster.holes.iter().any(|&h| {
+        lacuna_mesh::contains(&plan.holes[h as usize].outline, point) != lacuna_mesh::Location::Outside
+    })
+}
+
+struct Selector<'a> {
+    plan: &'a Plan,
+    names: &'a Names,
+    settings: &'a Settings,
+    places: &'a Places,
+}
+
+impl Selector<'_> {
+    fn reason_to_skip(&self, c: usize) -> Option<String> {
+        let cluster = &self.plan.clusters[c];
+        if let Some(leave) = cluster.leave {
+            return Some(leave.to_string());
+        }
+        if cluster.is_external && self.settings.area.external == External::Skip {
+            return Some("at the edge of the reconstruction area; --external fill fills it".to_owned());
+        }
+        if !self.is_selected(c, cluster) {
+            return Some("outside the part of the scene that the run is limited to".to_owned());
+        }
+        if let Some(reason) = self.filtered(cluster) {
+            return Some(reason);
+        }
+        let region = last_region(self.plan, c, self.settings, self.places)?;
+        region.skip.as_ref().map(|why| format!("region {}: {why}", region.name))
+    }
+
+    fn holes(&self, cluster: &HoleCluster) -> impl Iterator<Item = &Hole> {
+        cluster.holes.iter().map(|&h| &self.plan.holes[h as usize])
+    }
+
+    fn is_selected(&self, c: usize, cluster: &HoleCluster) -> bool {
+        let selection = &self.settings.selection;
+        if selection.is_whole_scene() {
+            return true;
+        }
+        let by_region = selection.regions.iter().any(|name| {
+            let number = self.settings.regions.iter().position(|r| r.name == *name);
+            number.is_some_and(|k| {
+                lies_in(self.plan, c, &self.settings.regions[k], self.places.regions.get(&k))
+            })
+        });
+        let by_cell = selection.cells.as_ref().is_some_and(|names| {
+            cluster.holes.iter().any(|&h| names.iter().any(|n| *n == self.names.holes[h as usize].tile))
+        });
+        let by_place = selection.at.iter().any(|&p| holds(self.plan, cluster, DVec2::from(p)));
+        let by_id = selection.holes.iter().any(|id| {
+            *id == self.names.clusters[c]
+                || cluster.holes.iter().any(|&h| *id == self.names.holes[h as usize].id)
+        });
+        by_region || by_cell || by_place || by_id
+    }
+
+    fn filtered(&self, cluster: &HoleCluster) -> Option<String> {
+        let find = &self.settings.find;
+        let area = cluster.area_m2;
+        if find.min_area_m2.is_some_and(|least| area < least) {
+            return Some(format!("smaller than the least area, {} m2", find.min_area_m2.unwrap_or(0.0)));
+        }
+        if find.max_area_m2.is_some_and(|most| area > most) {
+            return Some(format!("larger than the largest area, {} m2", find.max_area_m2.unwrap_or(0.0)));
+        }
+        let perimeter: f64 = self.holes(cluster).map(|h| h.perimeter_m).sum();
+        if find.max_perimeter_m.is_some_and(|most| perimeter > most) {
+            return Some(format!("its perimeter is longer than {} m", find.max_perimeter_m.unwrap_or(0.0)));
+        }
+        let edges: u64 = self.holes(cluster).map(|h| u64::from(h.rim_vertices)).sum();
+        if find.max_edges_around_hole.is_some_and(|most| edges > most) {
+            return Some(format!("its rim has more than {} edges", find.max_edges_around_hole.unwrap_or(0)));
+        }
+        let class = |h: &Hole| find.class.is_empty() || find.class.contains(&class_filter(h.class));
+        if !self.holes(cluster).any(class) {
+            return Some("not of the classes asked for".to_owned());
+        }
+        let shape = |h: &Hole| {
+            find.shape.is_empty() || h.class.shape().is_some_and(|s| find.shape.contains(&shape_filter(s)))
+        };
+        (!self.holes(cluster).any(shape)).then(|| "not of the shapes asked for".to_owned())
+    }
+}
+
+fn class_filter(class: HoleClass) -> HoleClassFilter {
+    match class {
+        HoleClass::Closed => HoleClassFilter::Closed,
+        HoleClass::Internal(_) => HoleClassFilter::Internal,
+        HoleClass::External(_) => HoleClassFilter::External,
+    }
+}
+
+fn shape_filter(shape: HoleShape) -> HoleShapeFilter {
+    match shape {
+        HoleShape::Hollow => HoleShapeFilter::A,
+        HoleShape::SemiEnclosed => HoleShapeFilter::B,
+        HoleShape::Crossing => HoleShapeFilter::C,
+        HoleShape::Island => HoleShapeFilter::D,
+    }
+}

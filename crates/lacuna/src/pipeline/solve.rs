@@ -1,0 +1,215 @@
+//! Fill: contours of all holes in work, patches layer by layer, borders smoothed, touched cells filled again.
+
+use super::RunError;
+use super::context::{Context, StageKind};
+use super::frames::Frames;
+use crate::config::{ClosedFiller, FillSettings, OpenFiller};
+use glam::DVec3;
+use lacuna_close::{CellContour, Curves, LayeredOptions, contour, project};
+use lacuna_fill::{FillError, FillParams, Filled, FillerChoice, HeightRule, fill};
+use lacuna_grid::CellId;
+use lacuna_hole::{CurveKind, HoleClass, Plan, Surveys};
+use lacuna_mesh::{PlanView, check_patch};
+use lacuna_schedule::{Job, JobResult};
+use lacuna_seam::{SeamVertex, SmoothParams, buffer_m, smooth};
+use lacuna_solve::FaerSolver;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A hole's contour and patch.
+#[derive(Clone, Debug)]
+pub(crate) struct FilledHole {
+    pub(crate) contour: CellContour,
+    pub(crate) filled: Filled,
+}
+
+/// Why a hole has no patch.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct NotFilled {
+    /// True if no filler takes it (skipped), false if work went wrong (failed).
+    pub(crate) is_refusal: bool,
+    pub(crate) reason: String,
+}
+
+/// Result of every hole in work, by hole number.
+pub(crate) type Fills = BTreeMap<u32, Result<FilledHole, NotFilled>>;
+
+/// Patches, and the curves they stand on.
+pub(crate) struct Solved {
+    pub(crate) fills: Fills,
+    pub(crate) curves: Curves,
+}
+
+/// Closes and fills all holes of `todo` (hole numbers).
+///
+/// Steps: curves from the rims, layer by layer; patches, a barrier after every layer; then the curves between holes of
+/// one layer are smoothed towards the patches on both sides and the cells they touch are filled again.
+pub(crate) fn solve(
+    surveys: &Surveys,
+    plan: &Plan,
+    frames: &Frames,
+    todo: &BTreeSet<u32>,
+    settings_of: &(dyn Fn(u32) -> FillSettings + Sync),
+    context: &Context<'_>,
+) -> Result<Solved, RunError> {
+    let options =
+        LayeredOptions { growth: 0.0, spacing_m: context.settings.fill.spacing_m };
+    let mut curves = project(surveys, plan, &options);
+    frames.round_curves(plan, &mut curves);
+    context.progress.start(StageKind::Fill, todo.len() as u64, todo.len() as u64);
+    let filler = HoleFiller { surveys, plan, frames, settings_of, context };
+    let mut fills = Fills::new();
+    for layer in layers_of(plan, todo) {
+        let holes: BTreeSet<u32> =
+            todo.iter().copied().filter(|&h| plan.holes[h as usize].layer == layer).collect();
+        fills.extend(filler.fill_all(&holes, &curves)?);
+    }
+    let moved = smooth_seams(plan, &mut curves, &fills);
+    frames.round_curves(plan, &mut curves);
+    let again: BTreeSet<u32> = moved
+        .iter()
+        .flat_map(|&c| plan.curves[c as usize].holes.iter().copied())
+        .filter(|h| matches!(fills.get(h), Some(Ok(_))))
+        .collect();
+    fills.extend(filler.fill_all(&again, &curves)?);
+    Ok(Solved { fills, curves })
+}
+
+fn layers_of(plan: &Plan, todo: &BTreeSet<u32>) -> BTreeSet<u32> {
+    todo.iter().map(|&h| plan.holes[h as usize].layer).collect()
+}
+
+/// What a worker needs to fill one hole.
+struct HoleFiller<'a> {
+    surveys: &'a Surveys,
+    plan: &'a Plan,
+    frames: &'a Frames,
+    settings_of: &'a (dyn Fn(u32) -> FillSettings + Sync),
+    context: &'a Context<'a>,
+}
+
+impl HoleFiller<'_> {
+    /// Fills holes in parallel; each is a job of its own, largest first.
+    fn fill_all(&self, holes: &BTreeSet<u32>, curves: &Curves) -> Result<Fills, RunError> {
+        let holes: Vec<u32> = holes.iter().copied().collect();
+        let jobs: Vec<Job> = holes.iter().map(|&h| self.job(h)).collect();
+        let context = self.context;
+        let results = context
+            .pool
+            .run(&jobs, &context.budget, &context.stop, |k| self.fill_one(holes[k], curves), |_| {
+                context.progress.advance(1);
+            })
+            .map_err(|e| {
+                let cell = self.plan.holes[holes[e.index] as usize].cell;
+                RunError::memory_too_small(&format!("of {cell}"), e.needed_bytes, e.limit_bytes)
+            })?;
+        context.check_stop()?;
+        let outcome = |result| match result {
+            JobResult::Done(outcome) => outcome,
+            JobResult::Panicked(message) => {
+                Err(NotFilled { is_refusal: false, reason: format!("a fault of the program: {message}") })
+            }
+            JobResult::Stopped => Err(NotFilled { is_refusal: false, reason: "stopped".to_owned() }),
+        };
+        Ok(holes.into_iter().zip(results.into_iter().map(outcome)).collect())
+    }
+
+    /// Memory of one fill: about 1.6 kB an unknown (measured for the sparse solve), the triangulation included.
+    fn job(&self, hole: u32) -> Job {
+        let record = &self.plan.holes[hole as usize];
+        let settings = (self.settings_of)(hole);
+        let edge_m = settings.spacing_m.unwrap_or_else(|| self.plan.fit.edge_m.max(1e-3));
+        let rim = f64::from(record.rim_vertices) + record.perimeter_m / edge_m;
+        let unknowns = 2.5 * record.area_m2.max(0.0) / (edge_m * edge_m) + 4.0 * rim;
+        Job { key: u64::from(hole), bytes: (1600.0 * unknowns) as u64 + (1 << 20) }
+    }
+
+    fn fill_one(&self, hole: u32, curves: &Curves) -> Result<FilledHole, NotFilled> {
+        let record = &self.plan.holes[hole as usize];
+        let contour = contour(self.surveys, self.plan, record, curves)
+            .map_err(|e| NotFilled { is_refusal: true, reason: e.to_string() })?;
+        let params = params(&(self.settings_of)(hole), record.class);
+        let solver = FaerSolver::default();
+        let mut filled = fill(&contour.contour, &params, &solver).map_err(|e| refused(&e))?;
+        self.round(record.cell, &contour, &mut filled)?;
+        Ok(FilledHole { contour, filled })
+    }
+
+    /// Rounds new vertices to what the tile stores, and checks the patch as it will be read again.
+    fn round(&self, cell: CellId, contour: &CellContour, filled: &mut Filled) -> Result<(), NotFilled> {
+        let Some(frame) = self.frames.of(cell) else { return Ok(()) };
+        for vertex in &mut filled.patch.vertices {
+            *vertex = frame.round(*vertex);
+        }
+        let judged = filled.in_plan && filled.vertical.is_empty();
+        let view = if judged { PlanView::Judged } else { PlanView::NotJudged };
+        check_patch(&contour.contour, &filled.patch, view).map(|_| ()).map_err(|e| NotFilled {
+            is_refusal: false,
+            reason: format!("the tile's number type is too coarse for the patch: {e}"),
+        })
+    }
+}
+
+fn refused(error: &FillError) -> NotFilled {
+    NotFilled { is_refusal: error.is_refusal(), reason: error.to_string() }
+}
+
+/// Settings of the fill of one hole. `layered` keeps the rim's density (growth 0), as the paper does.
+fn params(settings: &FillSettings, class: HoleClass) -> FillParams {
+    let filler = if class == HoleClass::Closed {
+        match settings.closed {
+            ClosedFiller::Auto => FillerChoice::Auto,
+            ClosedFiller::Delaunay => FillerChoice::Delaunay,
+            ClosedFiller::MinArea => FillerChoice::MinArea,
+        }
+    } else {
+        match settings.open {
+            OpenFiller::Auto => FillerChoice::Auto,
+            OpenFiller::Delaunay => FillerChoice::Delaunay,
+        }
+    };
+    FillParams {
+        filler,
+        spacing_m: settings.spacing_m,
+        growth: 0.0,
+        heights: HeightRule::Biharmonic,
+        ..FillParams::default()
+    }
+}
+
+/// Smooths the curves between holes of one layer (Wang et al. 2021, sec. 3.4; decisions 11): heights only, ends and
+/// corners stay. Returns the curves that moved.
+fn smooth_seams(plan: &Plan, curves: &mut Curves, fills: &Fills) -> Vec<u32> {
+    let params = SmoothParams::default();
+    let mut moved = Vec::new();
+    for (c, curve) in plan.curves.iter().enumerate() {
+        let CurveKind::Shared = curve.kind else { continue };
+        let layers: BTreeSet<u32> = curve.holes.iter().map(|&h| plan.holes[h as usize].layer).collect();
+        let patches: Vec<&FilledHole> =
+            curve.holes.iter().filter_map(|h| fills.get(h)?.as_ref().ok()).collect();
+        if layers.len() != 1 || patches.len() != 2 {
+            continue;
+        }
+        let inner = &mut curves.curves[c].inner;
+        let mut border: Vec<SeamVertex> =
+            inner.iter().map(|p| SeamVertex { plan: p.truncate(), z: p.z, frozen: false }).collect();
+        let reach = buffer_m(&border, &params);
+        let near = |p: &&DVec3| {
+            let side = curve.border.side;
+            let along = side.along(p.truncate());
+            (side.across(p.truncate()) - curve.line).abs() <= reach
+                && along >= curve.low_m - reach
+                && along <= curve.high_m + reach
+        };
+        let strips: Vec<DVec3> =
+            patches.iter().flat_map(|f| f.filled.patch.vertices.iter()).filter(near).copied().collect();
+        match smooth(&mut border, &strips, reach, &params) {
+            Ok(outcome) if outcome.rounds > 0 => {
+                inner.iter_mut().zip(&border).for_each(|(p, v)| p.z = v.z);
+                moved.push(c as u32);
+            }
+            Ok(_) => {}
+            Err(error) => tracing::warn!("a border was not smoothed: {error}"),
+        }
+    }
+    moved
+}

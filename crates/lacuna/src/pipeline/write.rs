@@ -1,0 +1,311 @@
+//! Write: repaired tiles with their patches appended, new tiles for hollow cells, everything else copied.
+
+use super::RunError;
+use super::context::{Context, StageKind};
+use super::manifest::OutputFile;
+use super::names::Names;
+use super::scan::{CellTile, Part};
+use super::solve::{FilledHole, Fills};
+use crate::ExitCode;
+use crate::config::Untouched;
+use glam::DVec3;
+use lacuna_close::Source;
+use lacuna_grid::CellId;
+use lacuna_hole::Plan;
+use lacuna_mesh::VertexId;
+use lacuna_schedule::{Job, JobResult};
+use lacuna_tile::{
+    AppendRequest, CopyMode, Corner, Hashing, HolePatch, NewTileRequest, Scene, TileError, append_patches, copy_file,
+    new_tile, output_path,
+};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// What the write stage reads.
+pub(crate) struct WriteInput<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) out: &'a Path,
+    pub(crate) plan: &'a Plan,
+    pub(crate) names: &'a Names,
+    pub(crate) tiles: &'a BTreeMap<CellId, CellTile>,
+    pub(crate) fills: &'a Fills,
+    /// Holes that are written: all of a cluster, or none.
+    pub(crate) holes: &'a BTreeSet<u32>,
+    /// Template cell and relative path of the tile of every hollow cell.
+    pub(crate) hollow: &'a BTreeMap<CellId, (CellId, String)>,
+}
+
+/// What was written.
+#[derive(Debug, Default)]
+pub(crate) struct WrittenFiles {
+    pub(crate) outputs: Vec<OutputFile>,
+    /// Cells whose tile could not take its patches, with the reason.
+    pub(crate) refused: BTreeMap<CellId, String>,
+}
+
+/// One file to write.
+enum Task {
+    /// A file of the scene with patches behind it.
+    Append { cell: CellId, part: Part, patches: Vec<HolePatch> },
+    /// A tile for a cell that has none.
+    New { cell: CellId, template: usize, relative: String, patches: Vec<HolePatch> },
+    /// A file as it is.
+    Copy { relative: String },
+}
+
+/// Writes all files. An input/output error ends the run; a tile that can't take its patches is named, so that its
+/// clusters can be left whole.
+pub(crate) fn write(input: &WriteInput<'_>, context: &Context<'_>) -> Result<WrittenFiles, RunError> {
+    let tasks = tasks(input, context.settings.scene.untouched);
+    let jobs: Vec<Job> =
+        tasks.iter().enumerate().map(|(k, t)| Job { key: k as u64, bytes: task_bytes(input, t) }).collect();
+    let total: u64 = tasks.iter().map(|t| file_bytes(input, t)).sum();
+    context.progress.start(StageKind::Write, tasks.len() as u64, total);
+    let results = context
+        .pool
+        .run(&jobs, &context.budget, &context.stop, |k| perform(input, &tasks[k], context), |k| {
+            context.progress.advance(file_bytes(input, &tasks[k]));
+        })
+        .map_err(|e| RunError::memory_too_small("to write", e.needed_bytes, e.limit_bytes))?;
+    context.check_stop()?;
+    let mut written = WrittenFiles::default();
+    for (task, result) in tasks.iter().zip(results) {
+        match result {
+            JobResult::Done(Ok(files)) => written.outputs.extend(files),
+            JobResult::Done(Err(error)) => refuse(task, &error, &mut written)?,
+            JobResult::Panicked(message) => {
+                return Err(RunError::failed(format!("a fault of the program while writing: {message}")));
+            }
+            JobResult::Stopped => {}
+        }
+    }
+    written.outputs.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(written)
+}
+
+/// Errors of the disk end the run; what a tile's format can't hold is that tile's failure.
+fn refuse(task: &Task, error: &TileError, written: &mut WrittenFiles) -> Result<(), RunError> {
+    let cell = match task {
+        Task::Append { cell, .. } | Task::New { cell, .. } => *cell,
+        Task::Copy { .. } => return Err(RunError { exit: ExitCode::InputOutput, message: error.to_string() }),
+    };
+    if matches!(error, TileError::Io { .. } | TileError::InputChanged { .. }) {
+        return Err(RunError { exit: ExitCode::InputOutput, message: error.to_string() });
+    }
+    written.refused.insert(cell, error.to_string());
+    Ok(())
+}
+
+fn tasks(input: &WriteInput<'_>, untouched: Untouched) -> Vec<Task> {
+    let mut tasks = Vec::new();
+    let mut patched: BTreeSet<usize> = BTreeSet::new();
+    for (cell, holes) in holes_by_cell(input) {
+        match input.tiles.get(&cell) {
+            Some(tile) => {
+                for (part, patches) in patches_of_tile(input, tile, &holes) {
+                    patched.insert(part.tile);
+                    tasks.push(Task::Append { cell, part, patches });
+                }
+            }
+            None => {
+                let Some((template, relative)) = input.hollow.get(&cell) else { continue };
+                let Some(template) = input.tiles.get(template) else { continue };
+                let patches = holes.iter().filter_map(|&h| hole_patch(input, h, None)).collect();
+                tasks.push(Task::New {
+                    cell,
+                    template: template.parts[0].tile,
+                    relative: relative.clone(),
+                    patches,
+                });
+            }
+        }
+    }
+    if untouched == Untouched::Omit {
+        return tasks;
+    }
+    let others = (0..input.scene.tiles.len()).filter(|k| !patched.contains(k));
+    let tiles = others.map(|k| input.scene.tiles[k].relative.clone());
+    let files = tiles.chain(input.scene.side_files.iter().cloned());
+    tasks.extend(files.map(|relative| Task::Copy { relative }));
+    tasks
+}
+
+fn holes_by_cell(input: &WriteInput<'_>) -> BTreeMap<CellId, Vec<u32>> {
+    let mut by_cell: BTreeMap<CellId, Vec<u32>> = BTreeMap::new();
+    for &h in input.holes {
+        by_cell.entry(input.plan.holes[h as usize].cell).or_default().push(h);
+    }
+    by_cell
+}
+
+/// The patches of a tile, each in the file that holds most of its rim.
+fn patches_of_tile(input: &WriteInput<'_>, tile: &CellTile, holes: &[u32]) -> Vec<(Part, Vec<HolePatch>)> {
+    let mut by_part: BTreeMap<usize, Vec<HolePatch>> = BTreeMap::new();
+    for &h in holes {
+        let Some(Ok(filled)) = input.fills.get(&h) else { continue };
+        let part = main_part(tile, filled);
+        if let Some(patch) = hole_patch(input, h, Some(&tile.parts[part])) {
+            by_part.entry(part).or_default().push(patch);
+        }
+    }
+    by_part.into_iter().map(|(k, patches)| (tile.parts[k].clone(), patches)).collect()
+}
+
+fn main_part(tile: &CellTile, filled: &FilledHole) -> usize {
+    let count = |part: &Part| {
+        filled.contour.sources.iter().filter(|s| matches!(s, Source::Original(v) if holds(part, *v))).count()
+    };
+    let counts: Vec<usize> = tile.parts.iter().map(count).collect();
+    (0..counts.len()).rev().max_by_key(|&k| counts[k]).unwrap_or(0)
+}
+
+fn holds(part: &Part, vertex: VertexId) -> bool {
+    (part.first_vertex..part.first_vertex + part.vertices).contains(&vertex.0)
+}
+
+/// The patch of a hole as the writer wants it: rim vertices by number where they stand in this file, copies of all others.
+fn hole_patch(input: &WriteInput<'_>, hole: u32, part: Option<&Part>) -> Option<HolePatch> {
+    let record = &input.plan.holes[hole as usize];
+    let FilledHole { contour, filled } = input.fills.get(&hole)?.as_ref().ok()?;
+    let positions = contour.contour.positions();
+    let mut vertices: Vec<DVec3> = Vec::new();
+    let mut corners: Vec<Corner> = Vec::with_capacity(positions.len());
+    for (position, source) in positions.iter().zip(&contour.sources) {
+        let own = match (source, part) {
+            (Source::Original(v), Some(part)) if holds(part, *v) => Some(VertexId(v.0 - part.first_vertex)),
+            _ => None,
+        };
+        corners.push(own.map_or_else(
+            || {
+                vertices.push(*position);
+                Corner::New(vertices.len() as u32 - 1)
+            },
+            Corner::Original,
+        ));
+    }
+    let first_new = vertices.len() as u32;
+    vertices.extend(&filled.patch.vertices);
+    let count = corners.len() as u32;
+    let corner = |v: u32| if v < count { corners[v as usize] } else { Corner::New(first_new + v - count) };
+    let name = &input.names.holes[hole as usize];
+    Some(HolePatch {
+        hole: name.id.clone(),
+        cluster: input.names.clusters[record.cluster as usize].clone(),
+        class: record.class.class().to_owned(),
+        shape: record.class.shape().map(|s| s.letter().to_owned()),
+        method: "layered".to_owned(),
+        filler: filled.filler.to_string(),
+        area_m2: (record.area_m2 * 1e3).round() / 1e3,
+        vertices,
+        triangles: filled.patch.triangles.iter().map(|t| t.map(corner)).collect(),
+    })
+}
+
+fn file_bytes(input: &WriteInput<'_>, task: &Task) -> u64 {
+    let patch_bytes = |patches: &[HolePatch]| -> u64 {
+        patches.iter().map(|p| 24 * p.vertices.len() as u64 + 16 * p.triangles.len() as u64).sum()
+    };
+    match task {
+        Task::Append { part, patches, .. } => part.bytes + patch_bytes(patches),
+        Task::New { patches, .. } => patch_bytes(patches),
+        Task::Copy { relative } => {
+            let tile = input.scene.tiles.iter().find(|t| t.relative == *relative);
+            tile.and_then(|t| t.header.as_ref().ok()).map_or(0, |h| h.bytes)
+        }
+    }
+}
+
+/// Memory of a task: a tile that gets patches is held once whole, with its patches as text or rows; a copy streams.
+fn task_bytes(input: &WriteInput<'_>, task: &Task) -> u64 {
+    match task {
+        Task::Copy { .. } => 1 << 20,
+        _ => 2 * file_bytes(input, task) + (1 << 20),
+    }
+}
+
+fn perform(input: &WriteInput<'_>, task: &Task, context: &Context<'_>) -> Result<Vec<OutputFile>, TileError> {
+    match task {
+        Task::Append { part, patches, .. } => {
+            let entry = &input.scene.tiles[part.tile];
+            let output = place(input, &entry.relative)?;
+            let written = append_patches(&AppendRequest {
+                input: &input.scene.path(entry),
+                output: &output,
+                format: entry.format,
+                options: &context.read_options,
+                expected_hash: Some(part.hash),
+                patches,
+            })?;
+            listed(&entry.relative, &output, &written)
+        }
+        Task::New { template, relative, patches, .. } => {
+            let entry = &input.scene.tiles[*template];
+            let output = place(input, relative)?;
+            let written = new_tile(&NewTileRequest {
+                template: &input.scene.path(entry),
+                output: &output,
+                format: entry.format,
+                options: &context.read_options,
+                patches,
+            })?;
+            listed(relative, &output, &written)
+        }
+        Task::Copy { relative } => {
+            let output = place(input, relative)?;
+            let mode = match context.settings.scene.untouched {
+                Untouched::Reflink => CopyMode::Reflink,
+                _ => CopyMode::Copy,
+            };
+            let copied = copy_file(&input.scene.root.join(relative), &output, mode, Hashing::Yes)?;
+            Ok(vec![OutputFile {
+                path: relative.clone(),
+                bytes: copied.bytes,
+                blake3: copied.hash.map_or_else(String::new, |h| hex(&h)),
+                changed: false,
+            }])
+        }
+    }
+}
+
+/// The output path of a file of the scene, with its folder made.
+fn place(input: &WriteInput<'_>, relative: &str) -> Result<std::path::PathBuf, TileError> {
+    let io = |path: &Path, source| TileError::Io { path: path.to_owned(), operation: "make the folder", source };
+    let path = output_path(input.out, relative)
+        .map_err(|e| io(input.out, std::io::Error::new(std::io::ErrorKind::InvalidInput, e.to_string())))?;
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(|e| io(folder, e))?;
+    }
+    Ok(path)
+}
+
+/// The written tile and its side files as the manifest lists them.
+fn listed(relative: &str, output: &Path, written: &lacuna_tile::Written) -> Result<Vec<OutputFile>, TileError> {
+    let tile = OutputFile {
+        path: relative.to_owned(),
+        bytes: written.bytes,
+        blake3: hex(&written.hash),
+        changed: true,
+    };
+    let mut files = vec![tile];
+    let folder = relative.rsplit_once('/').map(|(folder, _)| format!("{folder}/")).unwrap_or_default();
+    for name in &written.side_files {
+        let path = output.with_file_name(name);
+        let bytes = std::fs::read(&path).map_err(|source| TileError::Io {
+            path: path.clone(),
+            operation: "read",
+            source,
+        })?;
+        files.push(OutputFile {
+            path: format!("{folder}{name}"),
+            bytes: bytes.len() as u64,
+            blake3: hex(blake3::hash(&bytes).as_bytes()),
+            changed: true,
+        });
+    }
+    Ok(files)
+}
+
+/// Lower-case hexadecimal digits.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
