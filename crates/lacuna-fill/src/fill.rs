@@ -64,6 +64,7 @@ const LEVEL: f64 = 0.5;
 /// [`FillError`]: its `is_refusal` tells a reason to skip from a failure.
 pub fn fill(contour: &Contour, params: &FillParams, solver: &dyn Solver) -> Result<Filled, FillError> {
     check_input(contour, params)?;
+    check_direction(contour)?;
     if params.filler == FillerChoice::MinArea {
         return fill_in_space(contour, params, solver);
     }
@@ -147,6 +148,16 @@ fn check_input(contour: &Contour, params: &FillParams) -> Result<(), FillError> 
     }
     if params.spacing_m.is_some_and(|s| !(s > 0.0)) || params.growth.is_nan() || params.overshoot.is_nan() {
         return malformed("spacing, growth or overshoot is not a sensible number".to_owned());
+    }
+    Ok(())
+}
+
+/// Refuses a contour that clearly looks down: the outer rim of a floating layer, not a hole.
+fn check_direction(contour: &Contour) -> Result<(), FillError> {
+    let outer: Vec<DVec3> = contour.outer.vertices.iter().map(|v| v.position).collect();
+    let area = vector_area(&outer);
+    if area.z < -LEVEL * area.length() {
+        return Err(FillError::BadRings { what: "the outer ring runs the wrong way round".to_owned() });
     }
     Ok(())
 }

@@ -18,7 +18,7 @@ impl Frame {
     pub(crate) fn plan(points: &[DVec3]) -> Self {
         let low = points.iter().fold(DVec3::INFINITY, |m, &p| m.min(p));
         let high = points.iter().fold(DVec3::NEG_INFINITY, |m, &p| m.max(p));
-        Self { origin: ((low + high) * 0.5).round(), axes: None }
+        Self { origin: ((low + high) * 0.5).floor(), axes: None }
     }
 
     /// In a plane through `origin` with the unit vector `normal`.

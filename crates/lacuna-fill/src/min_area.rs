@@ -11,8 +11,10 @@ use glam::DVec3;
 use lacuna_mesh::{Clamp, Contour, EdgeKind, Patch, stiffness_in_space};
 use lacuna_solve::Solver;
 
-/// Largest share of a patch's area that may look against the ring's mean normal.
+/// Largest share of a patch's area that may look against the ring's mean normal, and least share of it that the ring's
+/// vector area must make up: a ring that winds both ways has no mean normal.
 const FOLDED_SHARE: f64 = 0.2;
+const LEAST_SHARE: f64 = 0.15;
 
 /// Fills the outer ring in space: Liepa's dynamic programming without existing edges; refinement to the rim's density
 /// in space; fairing of the new vertices (bi-Laplacian of x, y, z with the ring behind the rim as data; the Laplacian
@@ -150,7 +152,7 @@ fn check_folds(contour: &Contour, points: &[DVec3], triangles: &[[u32; 3]]) -> R
             against += normal.length();
         }
     }
-    if against <= FOLDED_SHARE * total {
+    if against <= FOLDED_SHARE * total && mean.length() >= LEAST_SHARE * total {
         return Ok(());
     }
     Err(folded("the surface over the rim folds back on itself"))
