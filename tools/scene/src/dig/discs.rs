@@ -45,11 +45,10 @@ impl TileSketch {
     pub(super) fn of(faces: &TileFaces, key: &[i64]) -> Self {
         let mut rng = Rng::new(key);
         let place = |face: usize| faces.centroid(face).map(|[x, y, _]| [x, y]);
-        let all = (0..faces.len()).filter_map(place);
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for p in all {
-            low = [low[0].min(p[0]), low[1].min(p[1])];
-            high = [high[0].max(p[0]), high[1].max(p[1])];
+        for [x, y, _] in faces.positions.iter().filter(|p| p.iter().all(|k| k.is_finite())) {
+            low = [low[0].min(*x), low[1].min(*y)];
+            high = [high[0].max(*x), high[1].max(*y)];
         }
         let places = (0..SAMPLES)
             .filter_map(|_| place(rng.below(faces.len().max(1)).min(faces.len().checked_sub(1)?)));
@@ -95,22 +94,51 @@ fn inside(tile: &TileSketch, place: Place, radius_m: f64) -> Option<Place> {
     fits.then_some(place)
 }
 
-/// The place moved to the nearest side of its tile with another tile beyond.
+/// The place moved to the nearest side of its tile with another tile beyond: to the middle of the strip that both
+/// cover, if they overlap.
 fn on_border(tiles: &[TileSketch], tile: usize, place: Place) -> Option<Place> {
     let home = &tiles[tile];
     let mut nearest: Option<(f64, Place)> = None;
     for axis in 0..2 {
         let step = 0.05 * (home.high[axis] - home.low[axis]);
         for (side, outward) in [(home.low[axis], -step), (home.high[axis], step)] {
-            let (mut on_side, mut beyond) = (place, place);
-            on_side[axis] = side;
+            let mut beyond = place;
             beyond[axis] = side + outward;
+            let Some(other) = (0..tiles.len()).find(|&k| k != tile && tiles[k].contains(beyond)) else {
+                continue;
+            };
+            let opposite = if outward < 0.0 { tiles[other].high[axis] } else { tiles[other].low[axis] };
+            let mut on_border = place;
+            on_border[axis] = (side + opposite) / 2.0;
             let away = (place[axis] - side).abs();
-            let has_other = tiles.iter().enumerate().any(|(k, t)| k != tile && t.contains(beyond));
-            if has_other && nearest.is_none_or(|(d, _)| away < d) {
-                nearest = Some((away, on_side));
+            if nearest.is_none_or(|(least, _)| away < least) {
+                nearest = Some((away, on_border));
             }
         }
     }
-    nearest.map(|(_, on_side)| on_side)
+    nearest.map(|(_, on_border)| on_border)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sketch(low: Place, high: Place) -> TileSketch {
+        TileSketch { low, high, places: vec![[(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0 + 1.0]] }
+    }
+
+    #[test]
+    fn border_discs_lie_in_the_middle_of_the_overlap() {
+        let tiles = [sketch([-0.1, -0.1], [100.1, 100.1]), sketch([99.9, -0.1], [200.1, 100.1])];
+        assert_eq!(on_border(&tiles, 0, [60.0, 30.0]), Some([100.0, 30.0]));
+        assert_eq!(on_border(&tiles, 1, [180.0, 70.0]), Some([100.0, 70.0]));
+        assert_eq!(on_border(&tiles[..1], 0, [60.0, 30.0]), None);
+    }
+
+    #[test]
+    fn discs_that_find_no_room_are_an_error() {
+        let tiles = [sketch([0.0, 0.0], [100.0, 100.0])];
+        let options = DigOptions { discs: 2, radius_m: [10.0, 10.0], across_borders: false, seed: 1 };
+        assert!(matches!(choose(&tiles, &options), Err(DigError::NoRoom { found: 1, wanted: 2 })));
+    }
 }
