@@ -105,12 +105,17 @@ fn join_vertices(mesh: &TriMesh, boundary: &Boundary) -> Vec<u32> {
     parents
 }
 
+#[inline]
 fn join(parents: &mut [u32], a: u32, b: u32) {
+    if parents[a as usize] == parents[b as usize] {
+        return; // nearly always so: saves looking up both roots
+    }
     let (a, b) = (root(parents, a), root(parents, b));
     parents[a.max(b) as usize] = a.min(b);
 }
 
 /// The root of `v`; halves the path on its way.
+#[inline]
 fn root(parents: &mut [u32], mut v: u32) -> u32 {
     while parents[v as usize] != v {
         let above = parents[parents[v as usize] as usize];

@@ -17,6 +17,7 @@ pub struct TriMesh {
 
 impl TriMesh {
     /// The three corners of triangle `t`.
+    #[inline]
     #[must_use]
     pub fn corners(&self, t: usize) -> [DVec3; 3] {
         self.triangles[t].map(|v| self.positions[v as usize])

@@ -20,7 +20,8 @@ pub(crate) const NO_PLACE: u64 = 0;
 
 /// A 64-bit mix of the position bits, `NO_PLACE` iff the position is not finite.
 pub(crate) fn place_hash(position: DVec3, seed: u64) -> u64 {
-    if !position.is_finite() {
+    // Zero times a number is zero iff the number is finite.
+    if position.dot(DVec3::ZERO) != 0.0 {
         return NO_PLACE;
     }
     let [x, y, z] = position_bits(position);

@@ -33,12 +33,12 @@ impl Balance {
         for &[a, b, c] in &mesh.triangles {
             let (a, b, c) = (a as usize, b as usize, c as usize);
             let (h_a, h_b, h_c) = (vertices[a].hash, vertices[b].hash, vertices[c].hash);
-            if h_a == NO_PLACE || h_b == NO_PLACE || h_c == NO_PLACE {
+            if (h_a == NO_PLACE) | (h_b == NO_PLACE) | (h_c == NO_PLACE) {
                 non_finite += 1;
                 continue;
             }
             // A degenerate triangle adds zero to every place by algebra; it is only counted.
-            degenerate += u64::from(h_a == h_b || h_b == h_c || h_c == h_a);
+            degenerate += u64::from((h_a == h_b) | (h_b == h_c) | (h_c == h_a));
             vertices[a].add(h_b.wrapping_sub(h_c));
             vertices[b].add(h_c.wrapping_sub(h_a));
             vertices[c].add(h_a.wrapping_sub(h_b));
