@@ -35,14 +35,28 @@ const CLEARANCE: f64 = 0.5;
 /// [`FillError::CapReached`] when `limit` vertices have been added.
 pub(crate) fn refine(mesh: &mut PlanMesh, rule: SizeRule, limit: usize) -> Result<(), FillError> {
     let first = mesh.points.len();
+    let capped = |_| FillError::CapReached { limit };
+    advance(mesh, rule, first + limit, Front::Only).map_err(capped)?;
+    // Where kept edges are longer than the size, the triangles at them never finish: go on without a front.
+    advance(mesh, rule, first + limit, Front::Anywhere).map_err(capped)
+}
+
+/// Which triangles may ask for a vertex: those at the front, or all.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Front {
+    Only,
+    Anywhere,
+}
+
+fn advance(mesh: &mut PlanMesh, rule: SizeRule, most: usize, front: Front) -> Result<(), FillError> {
     let mut queue: VecDeque<u32> = (0..mesh.topology.triangle_count() as u32).collect();
     let mut queued = vec![true; queue.len()];
     let mut touched = vec![];
     while let Some(t) = queue.pop_front() {
         queued[t as usize] = false;
-        let Some((place, p, size)) = proposal(mesh, rule, t) else { continue };
-        if mesh.points.len() - first >= limit {
-            return Err(FillError::CapReached { limit });
+        let Some((place, p, size)) = proposal(mesh, rule, t, front) else { continue };
+        if mesh.points.len() >= most {
+            return Err(FillError::CapReached { limit: most });
         }
         touched.clear();
         mesh.insert(place, p, size, &mut touched);
@@ -66,12 +80,12 @@ pub(crate) fn refine(mesh: &mut PlanMesh, rule: SizeRule, limit: usize) -> Resul
 
 /// Where triangle `t` asks for a vertex, and the size there; `None` if it is small enough, not at the front, or no
 /// place is free.
-fn proposal(mesh: &PlanMesh, rule: SizeRule, t: u32) -> Option<(Place, DVec2, f64)> {
+fn proposal(mesh: &PlanMesh, rule: SizeRule, t: u32, front: Front) -> Option<(Place, DVec2, f64)> {
     let excess = excess(mesh, rule, t);
     if excess <= 1.0 {
         return None;
     }
-    let base = front_edge(mesh, rule, t)?;
+    let base = base_edge(mesh, rule, t, front)?;
     let apexes = [frontal_point(mesh, rule, t, base), Some(centroid(mesh, t)).filter(|_| excess > 1.6)];
     for p in apexes.into_iter().flatten() {
         let p = mesh.frame.snap(p);
@@ -117,12 +131,12 @@ fn size_at(mesh: &PlanMesh, rule: SizeRule, t: u32, p: DVec2) -> f64 {
     wanted.min(rule.largest)
 }
 
-/// The shortest edge of `t`, if the boundary or a finished triangle lies behind it; else the shortest such edge whose
-/// opposite angle is acute.
-fn front_edge(mesh: &PlanMesh, rule: SizeRule, t: u32) -> Option<u32> {
+/// The shortest edge of `t` that has an acute angle opposite and, at the front, the boundary or a finished triangle
+/// behind it.
+fn base_edge(mesh: &PlanMesh, rule: SizeRule, t: u32, front: Front) -> Option<u32> {
     let length = |h: u32| mesh.at(mesh.topology.start(h)).distance_squared(mesh.at(mesh.topology.end(h)));
     let is_front = |h: u32| {
-        mesh.topology.twin[h as usize] == NONE || {
+        front == Front::Anywhere || mesh.topology.twin[h as usize] == NONE || {
             let behind = mesh.topology.twin[h as usize] / 3;
             excess(mesh, rule, behind) <= 1.0
         }
