@@ -1,8 +1,8 @@
 //! What a reader of the report should look at first.
 
+use super::kind::HoleClass;
 use super::model::{ClusterRecord, HoleRecord, Outcome, Report};
 use super::numbers;
-use std::collections::BTreeMap;
 
 /// Most failures that are named one by one.
 const MAX_FAILURES: usize = 5;
@@ -101,17 +101,13 @@ fn lowest_quality(report: &Report) -> Option<Attention> {
 }
 
 fn left_at_the_edge(report: &Report) -> Option<Attention> {
-    let classes: BTreeMap<&str, &HoleRecord> = report
-        .holes
-        .iter()
-        .filter(|h| h.class == super::HoleClass::External && h.outcome == Outcome::Skipped)
-        .map(|h| (h.id.as_str(), h))
-        .collect();
-    if classes.is_empty() {
+    let is_left = |h: &&HoleRecord| h.class == HoleClass::External && h.outcome == Outcome::Skipped;
+    let left: Vec<&HoleRecord> = report.holes.iter().filter(is_left).collect();
+    if left.is_empty() {
         return None;
     }
-    let area_m2: f64 = report.holes.iter().filter(|h| classes.contains_key(h.id.as_str())).map(|h| h.area_m2).sum();
-    let holes = numbers::count(classes.len() as u64, "hole", "holes");
+    let area_m2: f64 = left.iter().map(|h| h.area_m2).sum();
+    let holes = numbers::count(left.len() as u64, "hole", "holes");
     let text = format!("{holes} at the edge of the area, {} m2, left open", numbers::area(area_m2));
     Some(Attention { topic: "edge", text, id: None })
 }
