@@ -6,7 +6,7 @@ use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
-use tempfile::{Builder, NamedTempFile};
+use tempfile::{Builder, TempPath};
 
 /// Beginning of the names of unfinished files: what a killed run leaves behind starts with it.
 pub const TEMPORARY_PREFIX: &str = ".lacuna-";
@@ -32,7 +32,8 @@ pub struct Committed {
 /// A file under a temporary name in its final folder. Dropped without `commit`, it is removed.
 #[derive(Debug)]
 pub struct AtomicFile {
-    temporary: BufWriter<NamedTempFile>,
+    writer: BufWriter<File>,
+    temporary: TempPath,
     target: PathBuf,
     hasher: blake3::Hasher,
     bytes: u64,
@@ -45,9 +46,10 @@ impl AtomicFile {
     /// # Errors
     /// `Io`.
     pub fn create(target: &Path) -> Result<Self, TileError> {
-        let temporary = new_temporary(target)?;
+        let (file, temporary) = new_temporary(target)?;
         Ok(Self {
-            temporary: BufWriter::with_capacity(BUFFER_BYTES, temporary),
+            writer: BufWriter::with_capacity(BUFFER_BYTES, file),
+            temporary,
             target: target.to_owned(),
             hasher: blake3::Hasher::new(),
             bytes: 0,
@@ -59,17 +61,16 @@ impl AtomicFile {
     /// # Errors
     /// `Io`; the target is then as it was before, unless the folder alone could not be synchronised.
     pub fn commit(self) -> Result<Committed, TileError> {
-        let Self { temporary, target, hasher, bytes } = self;
-        let temporary =
-            temporary.into_inner().map_err(|e| TileError::io(&target, "write", e.into_error()))?;
-        finish(temporary, &target)?;
+        let Self { writer, temporary, target, hasher, bytes } = self;
+        let file = writer.into_inner().map_err(|e| TileError::io(&target, "write", e.into_error()))?;
+        finish(&file, temporary, &target)?;
         Ok(Committed { bytes, hash: *hasher.finalize().as_bytes() })
     }
 }
 
 impl Write for AtomicFile {
     fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-        let written = self.temporary.write(buffer)?;
+        let written = self.writer.write(buffer)?;
         let (taken, _) = buffer.split_at(written);
         self.hasher.update(taken);
         self.bytes += written as u64;
@@ -77,7 +78,7 @@ impl Write for AtomicFile {
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.temporary.flush()
+        self.writer.flush()
     }
 }
 
@@ -114,19 +115,17 @@ pub struct Copied {
 /// `Io`; `Unsupported` if `from` is no regular file.
 pub fn copy_file(from: &Path, to: &Path, mode: CopyMode, hashing: Hashing) -> Result<Copied, TileError> {
     let (mut source, _) = open_regular(from)?;
-    let mut temporary = new_temporary(to)?;
-    let shared = mode == CopyMode::Reflink && reflink(&source, temporary.as_file());
+    let (mut copy, temporary) = new_temporary(to)?;
+    let shared = mode == CopyMode::Reflink && reflink(&source, &copy);
     let failed = |e| TileError::io(to, "copy into", e);
     let copied = match (shared, hashing) {
-        (true, Hashing::Yes) => hash_content(temporary.as_file_mut()),
-        (true, Hashing::No) => temporary.as_file().metadata().map(|m| Copied { bytes: m.len(), hash: None }),
-        (false, Hashing::Yes) => copy_hashed(&mut source, temporary.as_file_mut()),
-        (false, Hashing::No) => {
-            io::copy(&mut source, temporary.as_file_mut()).map(|bytes| Copied { bytes, hash: None })
-        }
+        (true, Hashing::Yes) => hash_content(&mut copy),
+        (true, Hashing::No) => copy.metadata().map(|m| Copied { bytes: m.len(), hash: None }),
+        (false, Hashing::Yes) => copy_hashed(&mut source, &mut copy),
+        (false, Hashing::No) => io::copy(&mut source, &mut copy).map(|bytes| Copied { bytes, hash: None }),
     }
     .map_err(failed)?;
-    finish(temporary, to)?;
+    finish(&copy, temporary, to)?;
     Ok(copied)
 }
 
@@ -142,21 +141,19 @@ pub fn sync_directory(directory: &Path) -> Result<(), TileError> {
     Ok(())
 }
 
-fn new_temporary(target: &Path) -> Result<NamedTempFile, TileError> {
+/// An open file and its temporary name, which removes the file when dropped. They are apart because tempfile's own writer
+/// wraps the system's errors with that random name, and loses their errno.
+fn new_temporary(target: &Path) -> Result<(File, TempPath), TileError> {
     let mut builder = Builder::new();
     builder.prefix(TEMPORARY_PREFIX).suffix(TEMPORARY_SUFFIX);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666)); // the umask takes its bits away, as for any new file
-    }
-    let directory = directory_of(target);
-    builder.tempfile_in(directory).map_err(|e| TileError::io(target, "create a temporary file for", e))
+    let open = |path: &Path| File::options().read(true).write(true).create_new(true).open(path);
+    let made = builder.make_in(directory_of(target), open);
+    Ok(made.map_err(|e| TileError::io(target, "create a temporary file for", e))?.into_parts())
 }
 
 /// Sync, rename, sync of the folder. A failed sync is final: the temporary file is dropped, never tried again.
-fn finish(temporary: NamedTempFile, target: &Path) -> Result<(), TileError> {
-    temporary.as_file().sync_all().map_err(|e| TileError::io(target, "synchronise", e))?;
+fn finish(file: &File, temporary: TempPath, target: &Path) -> Result<(), TileError> {
+    file.sync_all().map_err(|e| TileError::io(target, "synchronise", e))?;
     temporary.persist(target).map_err(|e| TileError::io(target, "rename the temporary file to", e.error))?;
     sync_directory(directory_of(target))
 }

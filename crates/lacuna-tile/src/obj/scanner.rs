@@ -90,7 +90,8 @@ impl<'a> Scanner<'a> {
     /// Bytes of the `\` and line end that stand here, if they do.
     fn continuation(&self) -> Option<usize> {
         match self.bytes.get(self.at + 1..)? {
-            [] | [b'\n', ..] => Some(2),
+            [] => Some(1),
+            [b'\n', ..] | [b'\r'] => Some(2),
             [b'\r', b'\n', ..] => Some(3),
             _ => None,
         }
