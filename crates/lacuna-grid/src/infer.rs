@@ -223,7 +223,7 @@ fn tidy(size: f64) -> f64 {
 fn tidy_origin(value: f64, cell_size_m: f64) -> f64 {
     for step in [0.5, 0.01, 0.001] {
         let rounded = (value / step).round() * step;
-        if (value - rounded).abs() <= (1e-4 * cell_size_m).min(step / 10.0) {
+        if (value - rounded).abs() <= (3e-4 * cell_size_m).min(step / 10.0) {
             return rounded + 0.0;
         }
     }

@@ -38,7 +38,7 @@ pub(crate) fn mark_cuts(survey: &CellSurvey, fit: &BorderFit, labels: &mut [Labe
 
 /// How far the two sides of a cut lie apart at most: sub-blocks overrun their plane as tiles overrun their cell.
 fn cut_gap(survey: &CellSurvey, fit: &BorderFit) -> f64 {
-    (3.0 * fit.margin_m).max(0.02 * survey.median_edge_m)
+    (3.0 * fit.margin_m).max(0.4 * survey.median_edge_m)
 }
 
 /// How far two rim ends may lie apart to be joined over a cut.
@@ -79,16 +79,19 @@ fn facing_edges(
     let faces = |e: &PlanarEdge, o: &PlanarEdge| {
         let opposite = side(e) * side(o) < 0.0;
         let against = (e.to - e.from).dot(o.to - o.from) < 0.0;
-        opposite && against && overlap_in_plane(e, o, axis, gap_m.max(0.5 * survey.median_edge_m))
+        opposite && against && run_side_by_side(e, o, axis, gap_m.max(0.5 * survey.median_edge_m))
     };
     edges.iter().filter(|e| others.iter().any(|o| o.edge != e.edge && faces(e, o))).map(|e| e.edge).collect()
 }
 
-/// True if two edges' boxes overlap within the plane, grown by `slack_m`.
-fn overlap_in_plane(a: &PlanarEdge, b: &PlanarEdge, axis: usize, slack_m: f64) -> bool {
-    (0..3).filter(|&k| k != axis).all(|k| {
-        let (a0, a1) = (a.from[k].min(a.to[k]), a.from[k].max(a.to[k]));
-        let (b0, b1) = (b.from[k].min(b.to[k]), b.from[k].max(b.to[k]));
-        a0 <= b1 + slack_m && b0 <= a1 + slack_m
-    })
+/// True if two edges run side by side within the plane: along their longer direction they share a quarter of the shorter
+/// one, across it they lie within `slack_m`.
+fn run_side_by_side(a: &PlanarEdge, b: &PlanarEdge, axis: usize, slack_m: f64) -> bool {
+    let span = |e: &PlanarEdge, k: usize| (e.from[k].min(e.to[k]), e.from[k].max(e.to[k]));
+    let length = |e: &PlanarEdge, k: usize| span(e, k).1 - span(e, k).0;
+    let shared = |k: usize| span(a, k).1.min(span(b, k).1) - span(a, k).0.max(span(b, k).0);
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let (along, across) =
+        if length(a, u) + length(b, u) >= length(a, v) + length(b, v) { (u, v) } else { (v, u) };
+    shared(along) >= 0.25 * length(a, along).min(length(b, along)).max(PLANE_M) && shared(across) >= -slack_m
 }

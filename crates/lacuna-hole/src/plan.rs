@@ -10,6 +10,7 @@ use crate::label::label_edges;
 use crate::layer::layers;
 use crate::outline::{outline, point_inside, side_stretches};
 use crate::shared::{CellView, SidePiece, share};
+use crate::survey::survey_loop;
 use crate::walk::{RawPiece, Walked, walk};
 use crate::{BorderMode, CellSurvey, HoleClass, NotHole, Surveys};
 use glam::{DVec2, DVec3};
@@ -295,10 +296,9 @@ impl<'a> Builder<'a> {
         self.count(NotHole::Overhang, work.walked.stray_chains);
         self.unclear += work.walked.broken.len() as u32;
         let first = self.holes.len();
-        let open_count = work.walked.holes.len();
-        let mut polygons: Vec<(Vec<DVec2>, f64)> = work
-            .walked
-            .holes
+        let open = self.real_holes(survey, work);
+        let open_count = open.len();
+        let mut polygons: Vec<(Vec<DVec2>, f64)> = open
             .iter()
             .map(|pieces| with_area(outline(survey, &work.domain, &work.coverage, pieces)))
             .collect();
@@ -315,7 +315,7 @@ impl<'a> Builder<'a> {
             }
         }
         let islands = self.assign_islands(survey, &polygons, &outlines);
-        for (k, pieces) in work.walked.holes.iter().enumerate() {
+        for (k, pieces) in open.into_iter().enumerate() {
             self.add_open(survey, work, pieces, polygons[k].clone(), islands[k].clone());
         }
         for (k, &index) in closed.iter().enumerate() {
@@ -323,6 +323,32 @@ impl<'a> Builder<'a> {
             self.add_closed(survey, index, polygons[at].clone(), islands[at].clone());
         }
         debug_assert_eq!(self.holes.len(), first + polygons.len());
+    }
+
+    /// The walks that run round missing surface. One without a border piece (its rim is in parts because a cut inside the
+    /// tile runs through it) is judged as a closed loop is.
+    fn real_holes<'w>(&mut self, survey: &CellSurvey, work: &'w CellWork) -> Vec<&'w [RawPiece]> {
+        let mut real: Vec<&[RawPiece]> = Vec::new();
+        for pieces in &work.walked.holes {
+            let is_open = pieces.iter().any(|p| matches!(p, RawPiece::Border(..)));
+            let judged = if is_open {
+                let polygon = outline(survey, &work.domain, &work.coverage, pieces);
+                if signed_area(&polygon) > 0.0 { LoopKind::Hole } else { LoopKind::Not(NotHole::Overhang) }
+            } else {
+                let chains = pieces.iter().filter_map(|p| match p {
+                    RawPiece::Chain(c) => Some(&work.coverage.chains[*c].edges),
+                    _ => None,
+                });
+                let edges: Vec<u32> = chains.flatten().copied().collect();
+                judge_loop(&survey_loop(survey, edges, u32::MAX))
+            };
+            match judged {
+                LoopKind::Hole => real.push(pieces),
+                LoopKind::Outline => self.count(NotHole::InnerCut, 1),
+                LoopKind::Not(what) => self.count(what, 1),
+            }
+        }
+        real
     }
 
     /// Outlines of pieces inside a hole are its islands, unless they are debris or hover above its rim.

@@ -5,7 +5,6 @@ use lacuna_grid::CellId;
 use lacuna_mesh::{Band, Boundary, Bounds, Component, PointId, TriMesh, band, boundary, components, loops};
 use std::collections::BTreeMap;
 
-
 /// One closed loop of the boundary, walking with the missing surface on the left.
 #[derive(Clone, Debug)]
 pub struct LoopSurvey {
@@ -112,7 +111,8 @@ pub fn survey(cell: CellId, mesh: &TriMesh) -> CellSurvey {
     survey
 }
 
-fn survey_loop(survey: &CellSurvey, edges: Vec<u32>, component: u32) -> LoopSurvey {
+/// Area, length and sheetness of edges in walking order; short gaps between them (over cuts) count as straight.
+pub(crate) fn survey_loop(survey: &CellSurvey, edges: Vec<u32>, component: u32) -> LoopSurvey {
     let centre = survey.from(edges[0]);
     let mut vector_area = DVec3::ZERO;
     let mut length_m = 0.0;
