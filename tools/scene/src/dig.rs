@@ -98,7 +98,8 @@ struct HoleRecord {
 }
 
 /// Copies the scene to `out` with holes: chooses places from a sketch of all tiles, then rewrites tile by tile, and
-/// writes `scene.json` (the discs) and `truth.csv` (`x,y,z,hole` of every vertex that no face uses any more).
+/// writes `scene.json` (the discs) and `truth.csv` (`x,y,z,hole` of every vertex that no face of its tile uses any more: a
+/// border vertex that two tiles have is judged in each of them).
 ///
 /// # Errors
 /// See [`DigError`]; the scene itself is never written to.
