@@ -5,26 +5,26 @@ use scene::tile::Tile;
 use std::collections::BTreeMap;
 
 /// A place, lattice units.
-pub type Place = [i64; 3];
+pub(crate) type Place = [i64; 3];
 
 /// A maker, or the reason why not as a panic (tests only).
-pub fn maker(options: MakeOptions) -> Maker {
+pub(crate) fn maker(options: MakeOptions) -> Maker {
     Maker::new(options).unwrap()
 }
 
 /// All tiles of a scene that have triangles, as they go into files.
-pub fn tiles(maker: &Maker) -> Vec<Tile> {
+pub(crate) fn tiles(maker: &Maker) -> Vec<Tile> {
     let cells = maker.plan().area.cells();
     cells.map(|c| maker.finished_tile(&maker.cell(c).unwrap())).filter(|t| !t.triangles.is_empty()).collect()
 }
 
 /// Triangles as places.
-pub fn triangles(tile: &Tile) -> impl Iterator<Item = [Place; 3]> + '_ {
+pub(crate) fn triangles(tile: &Tile) -> impl Iterator<Item = [Place; 3]> + '_ {
     tile.triangles.iter().map(|t| t.map(|v| tile.vertices[v as usize]))
 }
 
 /// Checks that directed edges are unique, triangles face up, and no boundary vertex is passed twice.
-pub fn check_surface(surface: impl Iterator<Item = [Place; 3]>, what: &str) {
+pub(crate) fn check_surface(surface: impl Iterator<Item = [Place; 3]>, what: &str) {
     let mut edges: BTreeMap<(Place, Place), u32> = BTreeMap::new();
     for [a, b, c] in surface {
         let cross = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
