@@ -146,7 +146,10 @@ fn check_input(contour: &Contour, params: &FillParams) -> Result<(), FillError> 
     if !contour.positions().iter().chain(&support.vertices).all(finite) {
         return malformed("a coordinate is not finite or beyond 1e12 m".to_owned());
     }
-    if params.spacing_m.is_some_and(|s| !(s > 0.0)) || params.growth.is_nan() || params.overshoot.is_nan() {
+    if params.spacing_m.is_some_and(|s| s.is_nan() || s <= 0.0)
+        || params.growth.is_nan()
+        || params.overshoot.is_nan()
+    {
         return malformed("spacing, growth or overshoot is not a sensible number".to_owned());
     }
     Ok(())

@@ -68,6 +68,9 @@ pub(crate) fn solve_component(
     smoothness: Smoothness,
     solver: &dyn Solver,
 ) -> Result<Vec<f64>, SolveError> {
+    if !known.is_empty() && known.iter().all(Option::is_none) {
+        return Err(SolveError::NotPositiveDefinite { pivot: 0, order: known.len() });
+    }
     System::assemble(rows, is_row, known, smoothness)?.solve(solver)
 }
 

@@ -199,6 +199,9 @@ impl<'a> Cutter<'a> {
         let ends = [a, b, c].map(|v| self.positions[v as usize]);
         let apexes = [[a, b], [b, c]].map(|e| self.apexes.get(&e).copied());
         let normal = (ends[1] - ends[0]).cross(ends[2] - ends[0]);
+        if normal == DVec3::ZERO {
+            return f64::INFINITY;
+        }
         let bend = |from: DVec3, to: DVec3, apex: Option<DVec3>| {
             let other = apex.map_or(DVec3::ZERO, |apex| (from - to).cross(apex - to));
             let product = normal.length() * other.length();

@@ -90,6 +90,9 @@ fn graded_patches_are_well_shaped() {
         let q = done.quality;
         assert!(q.mean >= 0.85 && q.share_good >= 0.97, "{name}: mean {}, good {}", q.mean, q.share_good);
     }
+    // Kept rim edges of 2 m next to ones of 2 cm have no well-shaped triangle.
+    let q = run(&common::case("uneven")).unwrap().quality;
+    assert!(q.mean >= 0.85 && q.share_good >= 0.93, "uneven: mean {}, good {}", q.mean, q.share_good);
 }
 
 #[test]

@@ -124,7 +124,7 @@ fn heights_turn_and_scale_with_the_contour() {
     let bumps = |p: DVec2| 0.4 * libm::sin(0.7 * p.x) + 0.1 * p.y * p.x;
     let contour = well(bumps);
     let here = run(&contour, HeightRule::Biharmonic, 0.25);
-    // Quarter turns about a whole number keep the triangulation's arithmetic but for signs: compare by place.
+    // A quarter turn may change the triangulation's ties, and with it the heights a little.
     let turned = mapped(&contour, |p| DVec3::new(-p.y, p.x, 2.0 * p.z));
     let there = run(&turned, HeightRule::Biharmonic, 0.25);
     let at_centre = |done: &Filled| {
@@ -169,7 +169,7 @@ fn strip(n: usize) -> (Vec<DVec2>, Vec<[u32; 3]>) {
 fn height_problems_can_be_solved_on_their_own() {
     let (points, triangles) = strip(9);
     let tilt = |p: DVec2| 3.0 * p.x - p.y + 1.0;
-    let is_edge = |i: usize| i < 3 || i >= 24 || i % 3 != 1;
+    let is_edge = |i: usize| !(3..24).contains(&i) || i % 3 != 1;
     let fixed: Vec<Option<f64>> =
         points.iter().enumerate().map(|(i, &p)| is_edge(i).then_some(tilt(p))).collect();
     let rows: Vec<bool> = fixed.iter().map(Option::is_none).collect();
@@ -185,5 +185,5 @@ fn height_problems_can_be_solved_on_their_own() {
     }
     let loose = HeightProblem { fixed: &vec![None; 27], ..problem };
     let refused = solve_heights(&loose, Smoothness::Harmonic, &ReferenceSolver);
-    assert!(matches!(refused, Ok(_) | Err(SolveError::NotPositiveDefinite { .. })));
+    assert!(matches!(refused, Err(SolveError::NotPositiveDefinite { .. })));
 }
