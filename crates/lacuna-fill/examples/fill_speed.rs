@@ -41,7 +41,7 @@ fn main() {
         let contour = lake(vertices);
         let sparse = FillParams::default();
         let radius = 0.1 * vertices as f64 / 8.0;
-        let even = FillParams { growth: 0.0, spacing_m: Some((radius / 600.0).max(0.1)), ..sparse };
+        let even = FillParams { growth: 0.0, spacing_m: Some((radius / 300.0).max(0.1)), ..sparse };
         let rim = FillParams { growth: 0.0, ..sparse };
         for (name, params) in [
             ("graded 0.3", sparse),

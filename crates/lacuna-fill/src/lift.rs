@@ -14,7 +14,7 @@ use lacuna_mesh::{Contour, Patch};
 use lacuna_solve::Solver;
 
 /// Rounds of smoothing after each of the two refinements.
-const ROUNDS: [usize; 2] = [4, 3];
+const ROUNDS: [usize; 2] = [3, 2];
 /// Growth used when a spacing is given without one: from the rim's density to the spacing.
 const GROWTH_TO_SPACING: f64 = 0.3;
 

@@ -30,10 +30,15 @@ pub(crate) fn smooth(mesh: &mut PlanMesh, rounds: usize) {
 
 /// The worst q a vertex may accept in exchange for a better mean.
 const GOOD: f64 = 0.7;
+/// A vertex whose worst triangle has this q is left alone: most are so after the frontal insertion.
+const EXCELLENT: f64 = 0.92;
 
 fn improve(mesh: &mut PlanMesh, v: usize, ring: &[[u32; 2]]) {
     let here = mesh.points[v];
     let Some(before) = judge(mesh, here, ring) else { return };
+    if before.0 >= EXCELLENT {
+        return;
+    }
     let mean = neighbour_mean(mesh, ring);
     for candidate in [optimal_place(mesh, here, ring), mean, here.midpoint(mean)] {
         let place = mesh.frame.snap(candidate);
