@@ -61,7 +61,14 @@ pub(crate) fn share(pieces: &[SidePiece], cells: &BTreeMap<CellId, CellView<'_>>
             SideLabel::Neighbour(other) => {
                 let facing = by_side.get(&(other, p.side.opposite())).map_or(&[][..], Vec::as_slice);
                 let opens = open_stretches(k, facing, pieces, fit, domain, &mut both_open, &mut result);
-                closed_and_open(p, &opens, cells.get(&other), fit, &mut result.curves)
+                closed_and_open(
+                    p,
+                    &opens,
+                    domain.side(p.side).line,
+                    cells.get(&other),
+                    fit,
+                    &mut result.curves,
+                )
             }
         };
         result.spans.push(spans);
@@ -148,6 +155,7 @@ fn inner_anchor(a_m: f64, a: Anchor, b_m: f64, b: Anchor, tolerance_m: f64) -> A
 fn closed_and_open(
     p: &SidePiece,
     opens: &[(f64, f64, u32)],
+    line: f64,
     other: Option<&CellView<'_>>,
     fit: &BorderFit,
     curves: &mut Vec<Curve>,
@@ -158,7 +166,7 @@ fn closed_and_open(
     let stops = opens.iter().map(|o| (o.0, Some(*o))).chain([(p.high_m, None)]);
     for (until, open) in stops {
         if until - at > fit.tolerance_m {
-            match cover(p, at, until, other, fit, curves) {
+            match cover(p, at, until, line, other, fit, curves) {
                 Ok(span) => spans.push(span),
                 Err(reason) => leave = Some(reason),
             }
@@ -180,6 +188,7 @@ fn cover(
     p: &SidePiece,
     low_m: f64,
     high_m: f64,
+    line: f64,
     other: Option<&CellView<'_>>,
     fit: &BorderFit,
     curves: &mut Vec<Curve>,
@@ -200,7 +209,7 @@ fn cover(
     let curve = Curve {
         border: other.domain.border(side),
         kind: CurveKind::OverNeighbour(other.domain.cell),
-        line: 0.0,
+        line,
         low_m,
         high_m,
         low: end(low_m, p.low_m, p.low),

@@ -172,7 +172,12 @@ pub(crate) fn cluster_records(
 }
 
 /// The report's record of the scene.
-pub(crate) fn scene_record(scene: &Scene, scanned: &Scanned, plan: &Plan, settings: &Settings) -> SceneRecord {
+pub(crate) fn scene_record(
+    scene: &Scene,
+    scanned: &Scanned,
+    plan: &Plan,
+    settings: &Settings,
+) -> SceneRecord {
     let formats: BTreeSet<String> =
         scene.tiles.iter().map(|t| format!("{:?}", t.format).to_uppercase()).collect();
     let metadata = scene.metadata.as_ref();
@@ -211,12 +216,7 @@ pub(crate) fn seam_record(facts: &SeamFacts) -> SeamRecord {
 }
 
 /// Shapes for the map: cells with what became of their tile, holes with their outlines.
-pub(crate) fn drawing(
-    plan: &Plan,
-    scanned: &Scanned,
-    names: &Names,
-    outcomes: &[HoleOutcome],
-) -> Drawing {
+pub(crate) fn drawing(plan: &Plan, scanned: &Scanned, names: &Names, outcomes: &[HoleOutcome]) -> Drawing {
     let repaired: BTreeSet<CellId> = plan
         .holes
         .iter()

@@ -26,10 +26,7 @@ pub(crate) struct SeamFacts {
 impl Frames {
     /// Frames of the tiles that exist (of a tile of several files, the first), and for the hollow cells of the area that
     /// of their template.
-    pub(crate) fn new(
-        tiles: &BTreeMap<CellId, CellTile>,
-        templates: &BTreeMap<CellId, CellId>,
-    ) -> Self {
+    pub(crate) fn new(tiles: &BTreeMap<CellId, CellTile>, templates: &BTreeMap<CellId, CellId>) -> Self {
         let mut by_cell: BTreeMap<CellId, VertexFrame> =
             tiles.iter().filter_map(|(&c, t)| Some((c, t.parts.first()?.frame))).collect();
         for (&hollow, template) in templates {
@@ -85,11 +82,8 @@ impl Frames {
                 continue;
             }
             facts.borders += 1;
-            let frames: Vec<&VertexFrame> = curve
-                .holes
-                .iter()
-                .filter_map(|&h| self.by_cell.get(&plan.holes[h as usize].cell))
-                .collect();
+            let frames: Vec<&VertexFrame> =
+                curve.holes.iter().filter_map(|&h| self.by_cell.get(&plan.holes[h as usize].cell)).collect();
             for &p in &curves.curves[k].inner {
                 facts.shared_vertices += 1;
                 let places: Vec<DVec3> = frames.iter().map(|f| f.round(p)).collect();

@@ -55,9 +55,8 @@ fn holds_files(out: &Path) -> bool {
     let Ok(entries) = fs::read_dir(out) else { return false };
     entries.flatten().any(|e| {
         let own = e.file_name() == OWN_FOLDER;
-        let only_lock = || {
-            fs::read_dir(e.path()).is_ok_and(|inner| inner.flatten().all(|f| f.file_name() == ".lock"))
-        };
+        let only_lock =
+            || fs::read_dir(e.path()).is_ok_and(|inner| inner.flatten().all(|f| f.file_name() == ".lock"));
         !(own && only_lock())
     })
 }
@@ -128,7 +127,11 @@ fn lock(path: &Path, out: &Path) -> Result<File, RunError> {
             let _ = file.read_to_string(&mut holder);
             Err(RunError {
                 exit: ExitCode::Busy,
-                message: format!("another run ({}) holds {}; wait for it or stop it", holder.escape_debug(), out.display()),
+                message: format!(
+                    "another run ({}) holds {}; wait for it or stop it",
+                    holder.escape_debug(),
+                    out.display()
+                ),
             })
         }
         Err(TryLockError::Error(e)) => Err(io_error("lock", path, &e)),

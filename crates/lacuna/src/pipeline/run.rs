@@ -1,5 +1,6 @@
 //! `inspect` and `repair`.
 
+use super::RunError;
 use super::area::area;
 use super::assemble::{
     HoleOutcome, cluster_records, drawing, hole_records, outcomes, scene_record, seam_record,
@@ -13,10 +14,9 @@ use super::scan::{Scanned, scan};
 use super::select::{Decision, Places, fill_settings, select};
 use super::solve::{Fills, Solved, solve};
 use super::write::{WriteInput, WrittenFiles, hex, write};
-use super::RunError;
 use crate::ExitCode;
 use crate::Interrupt;
-use crate::config::{FailOn, MethodName, Settings};
+use crate::config::{FailOn, Settings};
 use crate::progress::Progress;
 use crate::report::{Drawing, Execution, Outcome, REPORT_VERSION, Report, Summary};
 use glam::DVec2;
@@ -56,7 +56,11 @@ struct Planned {
 ///
 /// # Errors
 /// Unreadable scene, unusable settings, a memory limit too small for a tile, or a stop.
-pub fn inspect(settings: &Settings, interrupt: &Interrupt, progress: &Progress) -> Result<RunResult, RunError> {
+pub fn inspect(
+    settings: &Settings,
+    interrupt: &Interrupt,
+    progress: &Progress,
+) -> Result<RunResult, RunError> {
     let context = Context::new(settings, interrupt, progress)?;
     let mut stages = Stages::default();
     let mut planned = scan_and_plan(&context, &mut stages)?;
@@ -74,7 +78,11 @@ pub fn inspect(settings: &Settings, interrupt: &Interrupt, progress: &Progress) 
 ///
 /// # Errors
 /// As `inspect`; an output folder that may not be written; errors of the disk.
-pub fn repair(settings: &Settings, interrupt: &Interrupt, progress: &Progress) -> Result<RunResult, RunError> {
+pub fn repair(
+    settings: &Settings,
+    interrupt: &Interrupt,
+    progress: &Progress,
+) -> Result<RunResult, RunError> {
     let Some(out) = settings.scene.output.as_deref() else {
         return Err(RunError::usage("no output folder; give it after the scene, or as scene.output"));
     };
@@ -86,7 +94,8 @@ pub fn repair(settings: &Settings, interrupt: &Interrupt, progress: &Progress) -
     let out = out_dir::take(&settings.scene.input, out, settings.run.overwrite)?;
     let planned = scan_and_plan(&context, &mut stages)?;
     let solved = stages.measure("fill", || fill(&planned, &context))?;
-    let (written, refused) = stages.measure("write", || write_all(&planned, &solved.fills, &out, &context))?;
+    let (written, refused) =
+        stages.measure("write", || write_all(&planned, &solved.fills, &out, &context))?;
     let result = finish(&planned, &solved.fills, &solved.curves, &refused, stages, &context);
     write_run_files(&planned, written, &result, &out, &context)?;
     Ok(result)
@@ -116,10 +125,8 @@ fn make_plan(scene: Scene, scanned: Scanned, context: &Context<'_>) -> Result<Pl
     let options = PlanOptions {
         grid: scanned.grid.grid,
         fit: fit_borders(&scanned.surveys, &scanned.grid.grid),
-        rule: match settings.fill.method {
-            MethodName::Layered => ClusterRule::Cell,
-            MethodName::Field | MethodName::Aggregate => ClusterRule::Interval,
-        },
+        // A lake as a person sees it: holes that meet, not all holes of neighbouring cells.
+        rule: ClusterRule::Interval,
         unreadable,
         area,
     };
@@ -195,9 +202,8 @@ fn write_all(
     let mut refused: BTreeMap<CellId, String> = BTreeMap::new();
     loop {
         let outcomes = outcomes(&planned.plan, &planned.names, &planned.decisions, fills, &refused);
-        let holes: BTreeSet<u32> = (0..outcomes.len() as u32)
-            .filter(|&h| outcomes[h as usize].outcome == Outcome::Filled)
-            .collect();
+        let holes: BTreeSet<u32> =
+            (0..outcomes.len() as u32).filter(|&h| outcomes[h as usize].outcome == Outcome::Filled).collect();
         let input = WriteInput {
             scene: &planned.scene,
             out: &out.root,
@@ -358,4 +364,3 @@ fn write_run_files(
     manifest.finished = true;
     manifest.write(&out.own.join(MANIFEST))
 }
-

@@ -66,10 +66,9 @@ pub(crate) fn scan(scene: &Scene, context: &Context<'_>) -> Result<Scanned, RunE
     context.progress.start(StageKind::Scan, scene.groups.len() as u64, scene.groups.iter().map(bytes).sum());
     let work = |k: usize| scan_group(scene, &scene.groups[k], context);
     let done = |k: usize| context.progress.advance(bytes(&scene.groups[k]));
-    let results = context
-        .pool
-        .run(&jobs, &context.budget, &context.stop, work, done)
-        .map_err(|e| RunError::memory_too_small(&scene.groups[e.index].name, e.needed_bytes, e.limit_bytes))?;
+    let results = context.pool.run(&jobs, &context.budget, &context.stop, work, done).map_err(|e| {
+        RunError::memory_too_small(&scene.groups[e.index].name, e.needed_bytes, e.limit_bytes)
+    })?;
     context.check_stop()?;
     collect(scene, results, context)
 }
@@ -138,7 +137,9 @@ fn collect(
                 continue;
             }
             JobResult::Done(Err(error)) => error.to_string(),
-            JobResult::Panicked(message) => format!("the scan stopped with a fault of the program: {message}"),
+            JobResult::Panicked(message) => {
+                format!("the scan stopped with a fault of the program: {message}")
+            }
             JobResult::Stopped => continue,
         };
         tracing::warn!("{name}: {problem}");

@@ -1,7 +1,9 @@
 //! Which clusters a run fills, and why it leaves the others. Every rule looks at the whole cluster (decisions 4).
 
 use super::names::Names;
-use crate::config::{External, FillSettings, HoleClassFilter, HoleShapeFilter, Region, RegionPlace, Settings};
+use crate::config::{
+    External, FillSettings, HoleClassFilter, HoleShapeFilter, Region, RegionPlace, Settings,
+};
 use crate::geometry::PolygonSet;
 use glam::DVec2;
 use lacuna_hole::{Hole, HoleClass, HoleCluster, HoleShape, Plan};
@@ -29,7 +31,12 @@ pub(crate) fn select(plan: &Plan, names: &Names, settings: &Settings, places: &P
 }
 
 /// Fill settings of a cluster: those of the last region that it lies in, else the scene's.
-pub(crate) fn fill_settings(plan: &Plan, cluster: usize, settings: &Settings, places: &Places) -> FillSettings {
+pub(crate) fn fill_settings(
+    plan: &Plan,
+    cluster: usize,
+    settings: &Settings,
+    places: &Places,
+) -> FillSettings {
     last_region(plan, cluster, settings, places).map_or(settings.fill, |r| r.fill)
 }
 

@@ -51,8 +51,7 @@ pub(crate) fn solve(
     settings_of: &(dyn Fn(u32) -> FillSettings + Sync),
     context: &Context<'_>,
 ) -> Result<Solved, RunError> {
-    let options =
-        LayeredOptions { growth: 0.0, spacing_m: context.settings.fill.spacing_m };
+    let options = LayeredOptions { growth: 0.0, spacing_m: context.settings.fill.spacing_m };
     let mut curves = project(surveys, plan, &options);
     frames.round_curves(plan, &mut curves);
     context.progress.start(StageKind::Fill, todo.len() as u64, todo.len() as u64);
@@ -95,9 +94,15 @@ impl HoleFiller<'_> {
         let context = self.context;
         let results = context
             .pool
-            .run(&jobs, &context.budget, &context.stop, |k| self.fill_one(holes[k], curves), |_| {
-                context.progress.advance(1);
-            })
+            .run(
+                &jobs,
+                &context.budget,
+                &context.stop,
+                |k| self.fill_one(holes[k], curves),
+                |_| {
+                    context.progress.advance(1);
+                },
+            )
             .map_err(|e| {
                 let cell = self.plan.holes[holes[e.index] as usize].cell;
                 RunError::memory_too_small(&format!("of {cell}"), e.needed_bytes, e.limit_bytes)

@@ -15,8 +15,8 @@ use lacuna_hole::Plan;
 use lacuna_mesh::VertexId;
 use lacuna_schedule::{Job, JobResult};
 use lacuna_tile::{
-    AppendRequest, CopyMode, Corner, Hashing, HolePatch, NewTileRequest, Scene, TileError, append_patches, copy_file,
-    new_tile, output_path,
+    AppendRequest, CopyMode, Corner, Hashing, HolePatch, NewTileRequest, Scene, TileError, append_patches,
+    copy_file, new_tile, output_path,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -63,9 +63,15 @@ pub(crate) fn write(input: &WriteInput<'_>, context: &Context<'_>) -> Result<Wri
     context.progress.start(StageKind::Write, tasks.len() as u64, total);
     let results = context
         .pool
-        .run(&jobs, &context.budget, &context.stop, |k| perform(input, &tasks[k], context), |k| {
-            context.progress.advance(file_bytes(input, &tasks[k]));
-        })
+        .run(
+            &jobs,
+            &context.budget,
+            &context.stop,
+            |k| perform(input, &tasks[k], context),
+            |k| {
+                context.progress.advance(file_bytes(input, &tasks[k]));
+            },
+        )
         .map_err(|e| RunError::memory_too_small("to write", e.needed_bytes, e.limit_bytes))?;
     context.check_stop()?;
     let mut written = WrittenFiles::default();
@@ -87,7 +93,9 @@ pub(crate) fn write(input: &WriteInput<'_>, context: &Context<'_>) -> Result<Wri
 fn refuse(task: &Task, error: &TileError, written: &mut WrittenFiles) -> Result<(), RunError> {
     let cell = match task {
         Task::Append { cell, .. } | Task::New { cell, .. } => *cell,
-        Task::Copy { .. } => return Err(RunError { exit: ExitCode::InputOutput, message: error.to_string() }),
+        Task::Copy { .. } => {
+            return Err(RunError { exit: ExitCode::InputOutput, message: error.to_string() });
+        }
     };
     if matches!(error, TileError::Io { .. } | TileError::InputChanged { .. }) {
         return Err(RunError { exit: ExitCode::InputOutput, message: error.to_string() });
@@ -269,7 +277,8 @@ fn perform(input: &WriteInput<'_>, task: &Task, context: &Context<'_>) -> Result
 
 /// The output path of a file of the scene, with its folder made.
 fn place(input: &WriteInput<'_>, relative: &str) -> Result<std::path::PathBuf, TileError> {
-    let io = |path: &Path, source| TileError::Io { path: path.to_owned(), operation: "make the folder", source };
+    let io =
+        |path: &Path, source| TileError::Io { path: path.to_owned(), operation: "make the folder", source };
     let path = output_path(input.out, relative)
         .map_err(|e| io(input.out, std::io::Error::new(std::io::ErrorKind::InvalidInput, e.to_string())))?;
     if let Some(folder) = path.parent() {
@@ -279,7 +288,11 @@ fn place(input: &WriteInput<'_>, relative: &str) -> Result<std::path::PathBuf, T
 }
 
 /// The written tile and its side files as the manifest lists them.
-fn listed(relative: &str, output: &Path, written: &lacuna_tile::Written) -> Result<Vec<OutputFile>, TileError> {
+fn listed(
+    relative: &str,
+    output: &Path,
+    written: &lacuna_tile::Written,
+) -> Result<Vec<OutputFile>, TileError> {
     let tile = OutputFile {
         path: relative.to_owned(),
         bytes: written.bytes,
