@@ -1,7 +1,7 @@
 //! Border runs, rim chains and the part of the perimeter that a cell's own surface covers (algorithms note B.3, B.4).
 
 use crate::label::Label;
-use crate::{BorderFit, CellSurvey};
+use crate::{BorderFit, BorderMode, CellSurvey};
 use lacuna_grid::{Domain, Side};
 use lacuna_mesh::PointId;
 
@@ -43,6 +43,8 @@ pub(crate) struct Coverage {
     pub(crate) chains: Vec<RimChain>,
     /// Loops of rim edges alone.
     pub(crate) closed: Vec<u32>,
+    /// Perimeter parameters where a rim touches the border in a single vertex.
+    pub(crate) touches: Vec<f64>,
     /// Merged covered intervals of the perimeter, ascending; the last one may pass beyond the perimeter's end when it
     /// joins the first over the south-west corner.
     pub(crate) covered: Vec<(f64, f64)>,
@@ -58,10 +60,10 @@ pub(crate) fn coverage(survey: &CellSurvey, domain: &Domain, fit: &BorderFit, la
             continue;
         }
         for run in runs_of(&l.edges, |e| label(&e)) {
-            add_run(survey, domain, labels, &l.edges, run, &mut result);
+            add_run(survey, domain, fit, labels, &l.edges, run, &mut result);
         }
     }
-    result.covered = merge(&result.runs, domain.perimeter_m(), fit.gap_m);
+    result.covered = merge(&result.runs, &result.touches, domain.perimeter_m(), fit.gap_m);
     result
 }
 
@@ -80,6 +82,7 @@ fn runs_of(edges: &[u32], label: impl Fn(u32) -> Label) -> Vec<(usize, usize)> {
 fn add_run(
     survey: &CellSurvey,
     domain: &Domain,
+    fit: &BorderFit,
     labels: &[Label],
     all: &[u32],
     (start, length): (usize, usize),
@@ -96,27 +99,60 @@ fn add_run(
             result.runs.push(BorderRun { side, edges, low_m, high_m, loop_edges: n });
         }
         Label::Rim => {
-            let before = all[(start + n - 1) % n];
-            let after = all[(start + length) % n];
-            let begin = survey.boundary.edges[edges[0] as usize].from;
-            let finish = survey.boundary.edges[edges[length - 1] as usize].to;
-            let end_at = |neighbour: u32, point: PointId| match labels[neighbour as usize] {
+            let end_at = |neighbour: usize, point: PointId| match labels[all[neighbour % n] as usize] {
                 Label::Border(side) => {
                     End::Border(side, domain.parameter(side, survey.position(point).truncate()))
                 }
                 _ => End::Cut(point),
             };
-            let chain =
-                RimChain { start: end_at(before, begin), end: end_at(after, finish), edges, loop_edges: n };
-            result.chains.push(chain);
+            let begin = survey.boundary.edges[edges[0] as usize].from;
+            let finish = survey.boundary.edges[edges[length - 1] as usize].to;
+            let whole = RimChain {
+                start: end_at(start + n - 1, begin),
+                end: end_at(start + length, finish),
+                edges,
+                loop_edges: n,
+            };
+            split_at_touches(survey, domain, fit, whole, result);
         }
         Label::Cut => {}
     }
 }
 
+/// Where a rim touches the border in a single vertex, nothing is open there: the hole ends on one side of the vertex and
+/// another begins (algorithms note D.2, case 3). Only where tiles are cut on a line is a touch to be told from nearness.
+fn split_at_touches(
+    survey: &CellSurvey,
+    domain: &Domain,
+    fit: &BorderFit,
+    mut chain: RimChain,
+    result: &mut Coverage,
+) {
+    let on_line = matches!(fit.mode, BorderMode::Exact | BorderMode::Overrun);
+    let touch = |edge: u32| {
+        let place = survey.to(edge).truncate();
+        let side = Side::ALL.into_iter().find(|&s| domain.outside_m(s, place).abs() <= fit.tolerance_m)?;
+        Some((side, domain.parameter(side, place)))
+    };
+    let inner = chain.edges.len().saturating_sub(1);
+    let touches: Vec<(usize, Side, f64)> = (0..inner)
+        .filter(|_| on_line)
+        .filter_map(|k| touch(chain.edges[k]).map(|(side, s)| (k + 1, side, s)))
+        .collect();
+    for (at, side, s) in touches.into_iter().rev() {
+        let edges = chain.edges.split_off(at);
+        let start = End::Border(side, s);
+        result.chains.push(RimChain { edges, start, end: chain.end, loop_edges: chain.loop_edges });
+        chain.end = start;
+        result.touches.push(s);
+    }
+    result.chains.push(chain);
+}
+
 /// Union of the runs' intervals on the circle, gaps up to `gap_m` closed.
-fn merge(runs: &[BorderRun], perimeter_m: f64, gap_m: f64) -> Vec<(f64, f64)> {
+fn merge(runs: &[BorderRun], touches: &[f64], perimeter_m: f64, gap_m: f64) -> Vec<(f64, f64)> {
     let mut intervals: Vec<(f64, f64)> = runs.iter().map(|r| (r.low_m, r.high_m)).collect();
+    intervals.extend(touches.iter().map(|&s| (s, s)));
     intervals.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let mut merged: Vec<(f64, f64)> = Vec::new();
     for (low, high) in intervals {

@@ -58,6 +58,7 @@ pub(crate) fn walk(
         }
     }
     link_cuts(survey, coverage, bridge_m, &mut links, &mut taken);
+    link_narrow_mouths(coverage, perimeter_m, gap_m, &mut links, &mut taken);
     follow(&links, &mut walked);
     walked
 }
@@ -108,6 +109,23 @@ fn link_cuts(
         if links[a].is_none() && !taken[b] {
             links[a] = Some(Link { border: None, next: b });
             taken[b] = true;
+        }
+    }
+}
+
+/// A hole whose opening on the border is narrower than what counts as covered is closed over it.
+fn link_narrow_mouths(
+    coverage: &Coverage,
+    perimeter_m: f64,
+    gap_m: f64,
+    links: &mut [Option<Link>],
+    taken: &mut [bool],
+) {
+    for (k, chain) in coverage.chains.iter().enumerate() {
+        let (End::Border(_, from), End::Border(_, to)) = (chain.end, chain.start) else { continue };
+        if links[k].is_none() && !taken[k] && (to - from).rem_euclid(perimeter_m) <= gap_m {
+            links[k] = Some(Link { border: None, next: k });
+            taken[k] = true;
         }
     }
 }
