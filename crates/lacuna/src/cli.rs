@@ -2,8 +2,8 @@
 //! can be; [`crate::config::Settings::resolve`] joins them with the configuration file.
 
 use crate::config::{
-    AreaArgument, ClosedFiller, External, FailOn, HoleClassFilter, HoleShapeFilter, MemoryLimit, MethodName, OpenFiller,
-    ProgressMode, Untouched, UpAxis, values,
+    AreaArgument, ClosedFiller, External, FailOn, HoleClassFilter, HoleShapeFilter, MemoryLimit, MethodName,
+    OpenFiller, ProgressMode, Untouched, UpAxis, values,
 };
 use clap::{ArgAction, Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -28,7 +28,7 @@ pub enum Command {
     /// Say what a scene is: format, grid, cells, triangles, borders
     Info(InfoArgs),
     /// Find holes and say how they would be filled; write no tile
-    Inspect(InspectArgs),
+    Inspect(Box<InspectArgs>),
     /// Find, fill, write and report
     Repair(Box<RepairArgs>),
     /// Prove the promises on what was written

@@ -56,7 +56,9 @@ impl Progress {
             (_, true) | (ProgressMode::None, _) => Kind::Silent,
             (ProgressMode::Auto, _) if is_terminal => bars(),
             (ProgressMode::Bar, _) => bars(),
-            (ProgressMode::Auto | ProgressMode::Plain, _) => Kind::Plain(Mutex::new(Box::new(std::io::stderr()))),
+            (ProgressMode::Auto | ProgressMode::Plain, _) => {
+                Kind::Plain(Mutex::new(Box::new(std::io::stderr())))
+            }
         };
         Self::of(kind)
     }
@@ -171,8 +173,11 @@ impl Stage {
 
     /// Share of the work that is done: by bytes where they are known, else by count.
     fn share(&self) -> f64 {
-        let (part, whole) =
-            if self.total_bytes > 0 { (self.bytes, self.total_bytes) } else { (self.items, self.total_items) };
+        let (part, whole) = if self.total_bytes > 0 {
+            (self.bytes, self.total_bytes)
+        } else {
+            (self.items, self.total_items)
+        };
         if whole == 0 { 1.0 } else { part as f64 / whole as f64 }
     }
 

@@ -4,7 +4,8 @@ use super::error::{ConfigError, FileError};
 use super::keys;
 use super::memory::MemoryLimit;
 use super::settings::{
-    ClosedFiller, External, FailOn, HoleClassFilter, HoleShapeFilter, MethodName, OpenFiller, Untouched, UpAxis,
+    ClosedFiller, External, FailOn, HoleClassFilter, HoleShapeFilter, MethodName, OpenFiller, Untouched,
+    UpAxis,
 };
 use ron::error::{Error, SpannedError};
 use ron::extensions::Extensions;
@@ -144,15 +145,17 @@ impl ConfigFile {
 fn version_one<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
     match u32::deserialize(deserializer)? {
         1 => Ok(1),
-        other => Err(D::Error::custom(format!("version {other} is unknown; this version of lacuna reads version 1"))),
+        other => Err(D::Error::custom(format!(
+            "version {other} is unknown; this version of lacuna reads version 1"
+        ))),
     }
 }
 
 fn built_method<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<MethodName>, D::Error> {
     let method = Option::<MethodName>::deserialize(deserializer)?;
     match method {
-        Some(MethodName::Field) => Err(D::Error::custom("method field is not in this version; use layered")),
-        Some(MethodName::Aggregate) => Err(D::Error::custom("method aggregate is not in this version; use layered")),
+        Some(MethodName::Field) => Err(D::Error::custom("field is not in this version; use layered")),
+        Some(MethodName::Aggregate) => Err(D::Error::custom("aggregate is not in this version; use layered")),
         other => Ok(other),
     }
 }
@@ -191,6 +194,24 @@ fn explain(text: &str, path: &Path, error: &SpannedError) -> FileError {
             (format!("unknown word `{}`", found.escape_debug()), place.key_help())
         }
         Error::Message(message) => (place.named(message), place.key_help()),
+        Error::ExpectedFloat | Error::ExpectedInteger => {
+            (place.named("expected a number, without quotes and without a unit"), place.key_help())
+        }
+        Error::ExpectedString => (place.named("expected a text in quotes"), place.key_help()),
+        Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) => {
+            let help = "a section stands in parentheses; the least file is (version: 1)";
+            ("expected an opening parenthesis".to_owned(), Some(help.to_owned()))
+        }
+        Error::ExpectedComma if place.is_number_with_unit() => {
+            (place.named("a number stands alone; its unit is in the key's name"), place.key_help())
+        }
+        Error::ExpectedComma | Error::ExpectedStructLikeEnd | Error::Eof => {
+            ("expected a comma or a closing parenthesis".to_owned(), None)
+        }
+        Error::InvalidIdentifier(found) | Error::SuggestRawIdentifier(found) => {
+            (format!("expected a key, found `{}`", found.escape_debug()), None)
+        }
+        Error::TrailingCharacters => ("nothing may stand behind the last parenthesis".to_owned(), None),
         other => (place.named(&lower_first(&other.to_string())), place.key_help()),
     };
     FileError {
@@ -227,10 +248,21 @@ impl Place {
         let at = error.span.start.col.saturating_sub(1).min(chars.len());
         let (from, to) = match &error.code {
             Error::NoSuchStructField { found, .. } => word_near(&chars, at, found),
-            _ => value_near(&chars, at),
+            // The parser may stand on the key of the value that it did not like.
+            _ => {
+                let stretch = value_near(&chars, at);
+                behind_key(&chars, stretch).unwrap_or(stretch)
+            }
         };
-        let key = key_before(&chars[..from]);
+        let is_key = chars.get(to) == Some(&':');
+        let key = if is_key { Some(chars[from..to].iter().collect()) } else { key_before(&chars[..from]) };
         Self { line, column: from + 1, width: (to - from).max(1), source_line, key }
+    }
+
+    /// True for `250m`: digits first, a letter last.
+    fn is_number_with_unit(&self) -> bool {
+        let mut value = self.source_line.chars().skip(self.column - 1).take(self.width);
+        value.next().is_some_and(|c| c.is_ascii_digit()) && value.last().is_some_and(char::is_alphabetic)
     }
 
     fn named(&self, message: &str) -> String {
@@ -273,11 +305,21 @@ fn value_near(chars: &[char], at: usize) -> (usize, usize) {
     (from, end_of_value(chars, from))
 }
 
+/// If a stretch is a key with its colon, the value behind it on the same line, else the key without the colon.
+fn behind_key(chars: &[char], (from, to): (usize, usize)) -> Option<(usize, usize)> {
+    let colon = chars.get(from..to)?.iter().position(|c| *c == ':')? + from;
+    let value = colon + 1 + chars[colon + 1..].iter().take_while(|c| c.is_whitespace()).count();
+    Some(if value < chars.len() { (value, end_of_value(chars, value)) } else { (from, colon) })
+}
+
 fn end_of_value(chars: &[char], from: usize) -> usize {
     let rest = &chars[from.min(chars.len())..];
     let length = match rest.first() {
         Some('"') => rest.iter().skip(1).position(|c| *c == '"').map_or(rest.len(), |p| p + 2),
-        _ => rest.iter().position(|c| matches!(c, ',' | '(' | ')' | '[' | ']') || c.is_whitespace()).unwrap_or(rest.len()),
+        _ => rest
+            .iter()
+            .position(|c| matches!(c, ',' | '(' | ')' | '[' | ']') || c.is_whitespace())
+            .unwrap_or(rest.len()),
     };
     from + length
 }

@@ -48,7 +48,11 @@ pub(crate) const KEYS: [Key; 34] = [
     key("fill", "open", "auto or delaunay"),
     key("fill", "spacing_m", "a length in metres, such as 0.5"),
     key("regions", "name", "a name in quotes"),
-    key("regions", "at", "point(x, y), box(west, south, east, north) or polygon(\"file.geojson\"), in metres"),
+    key(
+        "regions",
+        "at",
+        "point(x, y), box(west, south, east, north) or polygon(\"file.geojson\"), in metres",
+    ),
     key("regions", "skip", "the reason in quotes"),
     key("regions", "fill", "a section such as (method: layered)"),
 ];
@@ -76,7 +80,8 @@ pub(crate) fn advice(unknown: &str, siblings: &[&str]) -> String {
 /// What a key takes. Where two sections share a name, the one whose keys are `siblings` counts.
 fn meaning_among(name: &str, siblings: &[&str]) -> &'static str {
     let fits = |k: &&Key| {
-        k.name == name && KEYS.iter().filter(|other| other.section == k.section).all(|o| siblings.contains(&o.name))
+        k.name == name
+            && KEYS.iter().filter(|other| other.section == k.section).all(|o| siblings.contains(&o.name))
     };
     KEYS.iter().find(fits).or_else(|| KEYS.iter().find(|k| k.name == name)).map_or("a value", |k| k.meaning)
 }
@@ -90,7 +95,11 @@ pub(crate) fn meaning(name: &str) -> Option<&'static str> {
 /// away; none if more than half of the letters differ. Ties go to the first name.
 fn nearest<'a>(unknown: &str, names: &[&'a str]) -> Option<&'a str> {
     let cost = |name: &str| {
-        if name.strip_prefix(unknown).is_some_and(|rest| rest.starts_with('_')) { 1 } else { edits(unknown, name) }
+        if name.strip_prefix(unknown).is_some_and(|rest| rest.starts_with('_')) {
+            1
+        } else {
+            edits(unknown, name)
+        }
     };
     let best = names.iter().copied().min_by_key(|name| cost(name))?;
     (cost(best) * 2 <= unknown.chars().count().max(2)).then_some(best)
@@ -118,7 +127,8 @@ mod tests {
 
     #[test]
     fn counts_edits() {
-        for (a, b, count) in [("", "abc", 3), ("kitten", "sitting", 3), ("same", "same", 0), ("ab", "ba", 2)] {
+        for (a, b, count) in [("", "abc", 3), ("kitten", "sitting", 3), ("same", "same", 0), ("ab", "ba", 2)]
+        {
             assert_eq!(edits(a, b), count, "{a} {b}");
             assert_eq!(edits(b, a), count, "{b} {a}");
         }

@@ -51,12 +51,12 @@ fn bytes(text: &str) -> Result<MemoryLimit, String> {
     let help = "write 512MiB, 12GiB, 6GB (6 000 000 000 bytes) or 50%";
     let shown = text.escape_debug();
     if !text.ends_with(|c: char| c.is_ascii_alphabetic()) {
-        return Err(format!("memory `{shown}` has no unit; {help}"));
+        return Err(format!("`{shown}` has no unit; {help}"));
     }
     match text.parse::<bytesize::ByteSize>() {
         Ok(size) if size.as_u64() > 0 => Ok(MemoryLimit::Bytes(size.as_u64())),
-        Ok(_) => Err(format!("memory `{shown}` is nothing; {help}")),
-        Err(_) => Err(format!("memory `{shown}` is not understood; {help}")),
+        Ok(_) => Err(format!("`{shown}` is nothing; {help}")),
+        Err(_) => Err(format!("`{shown}` is not understood; {help}")),
     }
 }
 
@@ -104,10 +104,14 @@ fn control_group_files(root: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for line in groups.lines() {
         let mut parts = line.splitn(3, ':');
-        let (_, Some(controllers), Some(group)) = (parts.next(), parts.next(), parts.next()) else { continue };
+        let (_, Some(controllers), Some(group)) = (parts.next(), parts.next(), parts.next()) else {
+            continue;
+        };
         let (mount, name) = match controllers {
             "" => ("sys/fs/cgroup", "memory.max"),
-            other if other.split(',').any(|c| c == "memory") => ("sys/fs/cgroup/memory", "memory.limit_in_bytes"),
+            other if other.split(',').any(|c| c == "memory") => {
+                ("sys/fs/cgroup/memory", "memory.limit_in_bytes")
+            }
             _ => continue,
         };
         let relative = Path::new(group.trim_start_matches('/'));
@@ -119,4 +123,52 @@ fn control_group_files(root: &Path) -> Vec<PathBuf> {
 fn limit_of(file: &Path) -> Option<u64> {
     // "max" (version 2) is no number; "no limit" of version 1 is a huge one and loses against the machine's memory.
     fs::read_to_string(file).ok()?.trim().parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MemoryLimit, memory_under};
+    use std::fs;
+    use std::path::Path;
+
+    #[test]
+    fn reads_sizes_and_shares() {
+        for (text, expected) in [
+            ("512MiB", MemoryLimit::Bytes(512 << 20)),
+            (" 6GB ", MemoryLimit::Bytes(6_000_000_000)),
+            ("1.5 GiB", MemoryLimit::Bytes(3 << 29)),
+            ("50%", MemoryLimit::Percent(50.0)),
+            ("12.5 %", MemoryLimit::Percent(12.5)),
+        ] {
+            assert_eq!(text.parse(), Ok(expected), "{text}");
+        }
+        for text in ["", "12", "12 gigs", "-5MiB", "0%", "101%", "%", "0GiB", "NaN%"] {
+            assert!(text.parse::<MemoryLimit>().is_err(), "{text}");
+        }
+    }
+
+    fn write(root: &Path, name: &str, text: &str) {
+        let path = root.join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a temporary folder");
+        fs::write(path, text).expect("a temporary file");
+    }
+
+    #[test]
+    fn the_smallest_limit_counts() {
+        let root = tempfile::tempdir().expect("a temporary folder");
+        let root = root.path();
+        assert_eq!(memory_under(root), None);
+        write(root, "proc/meminfo", "MemFree: 1 kB\nMemTotal:       16 kB\n");
+        assert_eq!(memory_under(root), Some(16 << 10));
+        write(root, "proc/self/cgroup", "0::/user/job\n");
+        write(root, "sys/fs/cgroup/user/job/memory.max", "max\n");
+        assert_eq!(memory_under(root), Some(16 << 10));
+        write(root, "sys/fs/cgroup/user/memory.max", "9000\n");
+        assert_eq!(memory_under(root), Some(9000));
+        write(root, "proc/self/cgroup", "5:cpu,memory:/docker/x\n1:cpu:/y\n");
+        write(root, "sys/fs/cgroup/memory/memory.limit_in_bytes", "9223372036854771712\n");
+        assert_eq!(memory_under(root), Some(16 << 10));
+        write(root, "sys/fs/cgroup/memory/docker/x/memory.limit_in_bytes", "8000\n");
+        assert_eq!(memory_under(root), Some(8000));
+    }
 }

@@ -14,7 +14,7 @@ pub use memory::{Machine, MemoryLimit};
 pub use polygon::{Frame, PolygonFile};
 pub use settings::{
     AreaLimit, AreaSettings, ClosedFiller, External, FailOn, FillSettings, FindSettings, HoleClassFilter,
-    HoleShapeFilter, MethodName, OpenFiller, ProgressMode, Region, RegionPlace, RunSettings, SceneSettings, Selection,
-    Settings, Untouched, UpAxis,
+    HoleShapeFilter, MethodName, OpenFiller, ProgressMode, Region, RegionPlace, RunSettings, SceneSettings,
+    Selection, Settings, Untouched, UpAxis,
 };
 pub use values::AreaArgument;

@@ -159,7 +159,9 @@ fn frame(members: Option<&JsonObject>) -> Result<Frame, String> {
         return Ok(Frame::Scene);
     };
     let Some(name) = crs["properties"]["name"].as_str() else {
-        return Err("its crs has no properties.name; write one such as EPSG:28992, or leave crs out".to_owned());
+        return Err(
+            "its crs has no properties.name; write one such as EPSG:28992, or leave crs out".to_owned()
+        );
     };
     let code = name.rsplit(':').next().unwrap_or(name);
     if name.contains("CRS84") || code == "4326" {

@@ -1,12 +1,14 @@
 //! From command line and file to [`Settings`]: a flag beats the file, the file beats the default.
 
 use super::error::ConfigError;
-use super::file::{ConfigFile, FillSection, FindSection, LimitWord, PlaceWord, RegionSection, RunSection, SceneSection};
+use super::file::{
+    ConfigFile, FillSection, FindSection, LimitWord, PlaceWord, RegionSection, RunSection, SceneSection,
+};
 use super::memory::{Machine, MemoryLimit};
 use super::polygon::PolygonFile;
 use super::settings::{
-    AreaLimit, AreaSettings, FillSettings, FindSettings, MethodName, Region, RegionPlace, RunSettings, SceneSettings,
-    Selection, Settings,
+    AreaLimit, AreaSettings, FillSettings, FindSettings, MethodName, Region, RegionPlace, RunSettings,
+    SceneSettings, Selection, Settings,
 };
 use super::values::AreaArgument;
 use crate::cli::{Cli, Command, FillArgs, FindArgs, RunArgs, SceneArgs, SelectionArgs};
@@ -216,8 +218,16 @@ fn find(file: &FindSection, flags: &FindArgs) -> FindSettings {
         max_area_m2: flags.max_area.or(file.max_area_m2),
         max_perimeter_m: flags.max_perimeter.or(file.max_perimeter_m),
         max_edges_around_hole: flags.max_edges_around_hole.or(file.max_edges_around_hole),
-        class: sorted(if flags.class.is_empty() { file.class.clone().unwrap_or_default() } else { flags.class.clone() }),
-        shape: sorted(if flags.shape.is_empty() { file.shape.clone().unwrap_or_default() } else { flags.shape.clone() }),
+        class: sorted(if flags.class.is_empty() {
+            file.class.clone().unwrap_or_default()
+        } else {
+            flags.class.clone()
+        }),
+        shape: sorted(if flags.shape.is_empty() {
+            file.shape.clone().unwrap_or_default()
+        } else {
+            flags.shape.clone()
+        }),
     }
 }
 
@@ -288,9 +298,11 @@ fn selection(flags: &SelectionArgs) -> Result<Selection, ConfigError> {
 
 /// Reads a list of tiles: one name a line; blank lines and lines that start with `#` do not count.
 fn tile_names(path: &Path) -> Result<Vec<String>, ConfigError> {
-    let text = fs::read_to_string(path).map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
+    let text =
+        fs::read_to_string(path).map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
     let names = text.trim_start_matches('\u{feff}').lines().map(str::trim);
-    let names: Vec<String> = names.filter(|n| !n.is_empty() && !n.starts_with('#')).map(str::to_owned).collect();
+    let names: Vec<String> =
+        names.filter(|n| !n.is_empty() && !n.starts_with('#')).map(str::to_owned).collect();
     if names.is_empty() {
         return Err(ConfigError::Cells { path: path.to_owned(), what: "names no tile".to_owned() });
     }
@@ -310,7 +322,9 @@ fn check(settings: &Settings, command: &Command) -> Result<(), ConfigError> {
     if let (Some(least), Some(most)) = (settings.find.min_area_m2, settings.find.max_area_m2)
         && least > most
     {
-        return fail(format!("the least area, {least} m2, is above the largest one, {most} m2; no hole fits"));
+        return fail(format!(
+            "the least area, {least} m2, is above the largest one, {most} m2; no hole fits"
+        ));
     }
     check_regions(settings).map_or(Ok(()), fail)
 }
@@ -325,12 +339,15 @@ fn check_regions(settings: &Settings) -> Option<String> {
         if let RegionPlace::Box([west, south, east, north]) = region.at
             && !(west < east && south < north)
         {
-            return Some(format!("region {name}: a box is box(west, south, east, north), with west < east and south < north"));
+            return Some(format!(
+                "region {name}: a box is box(west, south, east, north), with west < east and south < north"
+            ));
         }
     }
     let known = |name: &String| settings.regions.iter().any(|region| region.name == *name);
     let unknown = settings.selection.regions.iter().find(|name| !known(name))?;
     let names: Vec<&str> = settings.regions.iter().map(|r| r.name.as_str()).collect();
-    let list = if names.is_empty() { "it has none".to_owned() } else { format!("it has {}", names.join(", ")) };
+    let list =
+        if names.is_empty() { "it has none".to_owned() } else { format!("it has {}", names.join(", ")) };
     Some(format!("--region {}: no such region in the configuration; {list}", unknown.escape_debug()))
 }

@@ -17,7 +17,10 @@ pub enum AreaArgument {
 fn number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("`{}` is no number; write it without a unit, such as 250 or 0.5", text.escape_debug())),
+        _ => Err(format!(
+            "`{}` is no number; write it without a unit, such as 250 or 0.5",
+            text.escape_debug()
+        )),
     }
 }
 

@@ -35,11 +35,13 @@ pub fn attention(report: &Report) -> Vec<Attention> {
 }
 
 fn failures(report: &Report) -> Vec<Attention> {
-    let failed: Vec<&ClusterRecord> = report.clusters.iter().filter(|c| c.outcome == Outcome::Failed).collect();
+    let failed: Vec<&ClusterRecord> =
+        report.clusters.iter().filter(|c| c.outcome == Outcome::Failed).collect();
     let mut list: Vec<Attention> = failed.iter().take(MAX_FAILURES).map(|c| failure(c)).collect();
     if failed.len() > MAX_FAILURES {
         let more = (failed.len() - MAX_FAILURES) as u64;
-        let text = format!("{} more failed; the report names them", numbers::count(more, "cluster", "clusters"));
+        let text =
+            format!("{} more failed; the report names them", numbers::count(more, "cluster", "clusters"));
         list.push(Attention { topic: "failed", text, id: None });
     }
     list
@@ -95,8 +97,9 @@ fn largest(report: &Report) -> Option<Attention> {
 
 fn lowest_quality(report: &Report) -> Option<Attention> {
     let judged = report.holes.iter().filter_map(|h| Some((h, h.quality_share_good?)));
-    let (hole, share) = judged.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share < LOW_QUALITY)?;
-    let text = format!("{}: {:.0} % of the patch's triangles are well shaped", hole.tile, share * 100.0);
+    let (hole, share) =
+        judged.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share < LOW_QUALITY)?;
+    let text = format!("{:.0} % of the patch's triangles are well shaped", share * 100.0);
     Some(Attention { topic: "quality", text, id: Some(hole.id.clone()) })
 }
 

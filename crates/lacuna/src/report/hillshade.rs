@@ -240,7 +240,15 @@ mod tests {
     /// Two triangles over the western half, level, and one high one over the same place.
     fn mesh() -> (Vec<DVec3>, Vec<[u32; 3]>) {
         let p = |x: f64, y: f64, z: f64| DVec3::new(500_000.0 + x, y, z);
-        let positions = vec![p(0., 0., 1.), p(5., 0., 1.), p(5., 10., 1.), p(0., 10., 1.), p(0., 4., 9.), p(4., 4., 9.), p(0., 8., 9.)];
+        let positions = vec![
+            p(0., 0., 1.),
+            p(5., 0., 1.),
+            p(5., 10., 1.),
+            p(0., 10., 1.),
+            p(0., 4., 9.),
+            p(4., 4., 9.),
+            p(0., 8., 9.),
+        ];
         (positions, vec![[0, 1, 2], [0, 2, 3], [4, 5, 6]])
     }
 
@@ -293,7 +301,8 @@ mod tests {
             raster.add_triangles(&positions, &[[0, 1, 2], [0, 2, 3]]);
             raster.brightness(5, 5).expect("surface")
         };
-        let (level, sunny, dark) = (shade(DVec3::ZERO), shade(DVec3::new(0.7, -0.7, 0.)), shade(DVec3::new(-0.7, 0.7, 0.)));
+        let (level, sunny, dark) =
+            (shade(DVec3::ZERO), shade(DVec3::new(0.7, -0.7, 0.)), shade(DVec3::new(-0.7, 0.7, 0.)));
         assert!(dark < level && level < sunny, "{dark} {level} {sunny}");
     }
 

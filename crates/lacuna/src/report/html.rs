@@ -10,8 +10,8 @@ use super::map::map;
 use super::model::{ClusterRecord, HoleRecord, Outcome, Report};
 use super::numbers;
 use crate::logging::shown;
-use minijinja::value::{Serde, Value};
 use minijinja::Environment;
+use minijinja::value::{Serde, Value};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -54,7 +54,11 @@ pub fn page(report: &Report, drawing: &Drawing) -> Result<String, PageError> {
         holes: hole_rows(report),
         holes_left_out: report.holes.len().saturating_sub(MAX_ROWS),
         stages: stage_rows(report),
-        not_holes: report.not_holes.iter().map(|(kind, count)| format!("{count} {}", kind.replace('_', " "))).collect(),
+        not_holes: report
+            .not_holes
+            .iter()
+            .map(|(kind, count)| format!("{count} {}", shown(&kind.replace('_', " "))))
+            .collect(),
         warnings: report.warnings.iter().map(|w| shown(w)).collect(),
         defects: report.defects.iter().take(MAX_ROWS).map(|d| [shown(&d.tile), shown(&d.what)]).collect(),
         configuration: shown_lines(&serde_json::to_string_pretty(&report.configuration)?),
@@ -174,7 +178,10 @@ fn sentence(report: &Report) -> String {
     let inspected = |h: &HoleRecord| h.reason.as_deref() == Some("inspected only");
     let clusters = numbers::count(report.clusters.len() as u64, "cluster", "clusters");
     if report.holes.iter().any(inspected) {
-        return format!("Found {} in {clusters}; nothing was written.", numbers::count(summary.found, "hole", "holes"));
+        return format!(
+            "Found {} in {clusters}; nothing was written.",
+            numbers::count(summary.found, "hole", "holes")
+        );
     }
     let area_m2: f64 = report.holes.iter().filter(|h| h.outcome == Outcome::Filled).map(|h| h.area_m2).sum();
     let mut text = format!(
@@ -186,7 +193,8 @@ fn sentence(report: &Report) -> String {
         numbers::count(report.scene.cells, "tile", "tiles"),
     );
     if summary.skipped > 0 {
-        text += &format!(" {} left as they were, on purpose.", numbers::count(summary.skipped, "hole", "holes"));
+        let holes = numbers::count(summary.skipped, "hole was", "holes were");
+        text += &format!(" {holes} left open on purpose.");
     }
     if summary.failed > 0 {
         text += &format!(" {} failed.", numbers::count(summary.failed, "hole", "holes"));
@@ -206,7 +214,11 @@ fn facts(report: &Report) -> Vec<[String; 2]> {
         ["Time".to_owned(), numbers::seconds(report.stages.iter().map(|s| s.seconds).sum())],
         [
             "Peak memory".to_owned(),
-            format!("{} of {}", numbers::bytes(report.peak_rss_bytes), numbers::bytes(report.memory_limit_bytes)),
+            format!(
+                "{} of {}",
+                numbers::bytes(report.peak_rss_bytes),
+                numbers::bytes(report.memory_limit_bytes)
+            ),
         ],
         [
             "Seams".to_owned(),
@@ -249,7 +261,9 @@ fn table_rows(report: &Report) -> Vec<KindRow> {
 /// Failures first, then by area; at most [`MAX_ROWS`].
 fn cluster_rows(report: &Report) -> Vec<ClusterRow> {
     let mut clusters: Vec<&ClusterRecord> = report.clusters.iter().collect();
-    clusters.sort_by(|a, b| b.outcome.cmp(&a.outcome).then(b.area_m2.total_cmp(&a.area_m2)).then(a.id.cmp(&b.id)));
+    clusters.sort_by(|a, b| {
+        b.outcome.cmp(&a.outcome).then(b.area_m2.total_cmp(&a.area_m2)).then(a.id.cmp(&b.id))
+    });
     clusters.truncate(MAX_ROWS);
     let row = |cluster: &ClusterRecord| ClusterRow {
         id: shown(&cluster.id),
@@ -268,7 +282,9 @@ fn cluster_rows(report: &Report) -> Vec<ClusterRow> {
 
 fn hole_rows(report: &Report) -> Vec<HoleRow> {
     let mut holes: Vec<&HoleRecord> = report.holes.iter().collect();
-    holes.sort_by(|a, b| b.outcome.cmp(&a.outcome).then(b.area_m2.total_cmp(&a.area_m2)).then(a.id.cmp(&b.id)));
+    holes.sort_by(|a, b| {
+        b.outcome.cmp(&a.outcome).then(b.area_m2.total_cmp(&a.area_m2)).then(a.id.cmp(&b.id))
+    });
     holes.truncate(MAX_ROWS);
     let row = |hole: &HoleRecord| HoleRow {
         id: shown(&hole.id),

@@ -34,7 +34,10 @@ struct View {
 ///
 /// # Errors
 /// The PNG encoder's.
-pub(crate) fn map(drawing: &Drawing, title_of: &dyn Fn(&str) -> String) -> Result<String, png::EncodingError> {
+pub(crate) fn map(
+    drawing: &Drawing,
+    title_of: &dyn Fn(&str) -> String,
+) -> Result<String, png::EncodingError> {
     let Some(view) = View::over(drawing) else { return Ok(String::new()) };
     let mut svg = String::new();
     let _ = write!(
@@ -123,7 +126,8 @@ impl View {
 fn thinned(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     let mut kept: Vec<[f64; 2]> = Vec::new();
     for point in points.filter(|p| p[0].is_finite() && p[1].is_finite()) {
-        let is_far = |last: &[f64; 2]| (last[0] - point[0]).abs().max((last[1] - point[1]).abs()) >= TOLERANCE;
+        let is_far =
+            |last: &[f64; 2]| (last[0] - point[0]).abs().max((last[1] - point[1]).abs()) >= TOLERANCE;
         if kept.last().is_none_or(is_far) {
             kept.push(point);
         }
@@ -194,7 +198,7 @@ fn draw_hole(svg: &mut String, view: &View, hole: &HoleDrawing, title: &str) {
         let _ = write!(svg, "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{:.1}\"/>", SMALLEST / 2.0);
     }
     if hole.outcome == Outcome::Failed {
-        let arm = 6.0;
+        let arm = (0.4 * size).clamp(6.0, 20.0);
         let _ = write!(
             svg,
             "<path class=\"cross\" d=\"M{:.2} {:.2}l{d} {d}m0 -{d}l-{d} {d}\"/>",
@@ -204,6 +208,8 @@ fn draw_hole(svg: &mut String, view: &View, hole: &HoleDrawing, title: &str) {
         );
     }
     if size >= LABELLED {
+        // The label of a failed hole stands above its cross.
+        let y = if hole.outcome == Outcome::Failed { low[1] - 8.0 } else { y };
         let letter = hole.shape.map_or("\u{25cf}", |shape| shape.letter());
         let _ = write!(svg, "<text x=\"{x:.2}\" y=\"{y:.2}\">{letter}{}</text>", hole.layer);
     }

@@ -21,8 +21,8 @@ pub use hillshade::HeightRaster;
 pub use html::{PageError, page};
 pub use kind::{HoleClass, HoleKind, HoleShape};
 pub use model::{
-    ClusterRecord, DefectRecord, Execution, HoleRecord, Outcome, REPORT_VERSION, Report, SceneRecord, SeamRecord,
-    StageRecord,
+    ClusterRecord, DefectRecord, Execution, HoleRecord, Outcome, REPORT_VERSION, Report, SceneRecord,
+    SeamRecord, StageRecord,
 };
 pub use summary::{ByKind, KindCount, Summary};
 pub use table::table;

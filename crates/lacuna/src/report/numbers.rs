@@ -60,10 +60,14 @@ mod tests {
         for (value, text) in [(0, "0"), (999, "999"), (1000, "1 000"), (1_234_567, "1 234 567")] {
             assert_eq!(grouped(value), text);
         }
-        for (value, text) in [(0.0, "0.0"), (99.94, "99.9"), (99.97, "100"), (4498.2, "4 498"), (f64::NAN, "?")] {
+        for (value, text) in
+            [(0.0, "0.0"), (99.94, "99.9"), (99.97, "100"), (4498.2, "4 498"), (f64::NAN, "?")]
+        {
             assert_eq!(area(value), text);
         }
-        for (value, text) in [(12, "12 B"), (1024, "1.0 KiB"), (1 << 30, "1.0 GiB"), ((1 << 20) - 1, "1.0 MiB")] {
+        for (value, text) in
+            [(12, "12 B"), (1024, "1.0 KiB"), (1 << 30, "1.0 GiB"), ((1 << 20) - 1, "1.0 MiB")]
+        {
             assert_eq!(bytes(value), text);
         }
         for (value, text) in [(0.42, "0.4 s"), (12.3, "12 s"), (62.0, "1:02 min"), (3723.0, "1:02:03 h")] {

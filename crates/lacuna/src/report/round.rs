@@ -15,7 +15,11 @@ pub(crate) fn round_to(value: f64, digits: u32) -> f64 {
 }
 
 fn write<S: Serializer>(value: f64, digits: u32, serializer: S) -> Result<S::Ok, S::Error> {
-    if value.is_finite() { serializer.serialize_f64(round_to(value, digits)) } else { serializer.serialize_none() }
+    if value.is_finite() {
+        serializer.serialize_f64(round_to(value, digits))
+    } else {
+        serializer.serialize_none()
+    }
 }
 
 fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {

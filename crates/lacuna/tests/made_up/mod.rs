@@ -2,18 +2,18 @@
 
 use glam::DVec3;
 use lacuna::report::{
-    CellDrawing, CellStatus, ClusterDrawing, ClusterRecord, DefectRecord, Drawing, Execution, HeightRaster, HoleClass,
-    HoleDrawing, HoleRecord, HoleShape, Outcome, REPORT_VERSION, Report, SceneRecord, SeamRecord, StageRecord, Summary,
+    CellDrawing, CellStatus, ClusterDrawing, ClusterRecord, DefectRecord, Drawing, Execution, HeightRaster,
+    HoleClass, HoleDrawing, HoleRecord, HoleShape, Outcome, REPORT_VERSION, Report, SceneRecord, SeamRecord,
+    StageRecord, Summary,
 };
 use lacuna_mesh::Bounds;
 use serde_json::json;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 const CELL_M: f64 = 250.0;
 
 /// Name of a tile that tries to break out of the page and of the terminal.
-pub const HOSTILE: &str = "<script>alert(1)</script>\u{1b}[31m\"'&";
+pub(crate) const HOSTILE: &str = "<script>alert(1)</script>\u{1b}[31m\"'&";
 
 /// Cluster, cell, class, shape, layer, place in the cell (shares), outcome.
 type Row = (&'static str, [i32; 2], HoleClass, Option<HoleShape>, u32, [f64; 4], Outcome);
@@ -39,7 +39,7 @@ fn tile(cell: [i32; 2]) -> String {
 }
 
 /// The report of the made-up run.
-pub fn report() -> Report {
+pub(crate) fn report() -> Report {
     let holes: Vec<HoleRecord> = rows().iter().map(hole).collect();
     Report {
         version: REPORT_VERSION,
@@ -60,17 +60,35 @@ pub fn report() -> Report {
             srs: Some("EPSG:28992".to_owned()),
             srs_origin: Some([84_000.0, 446_000.0, 0.0]),
         },
-        stages: vec![stage("scan", 6.25, 0.4), stage("plan", 0.031_249, 0.4), stage("fill", 93.4, 1.4), stage("write", 12.0, 0.9)],
+        stages: vec![
+            stage("scan", 6.25, 0.4),
+            stage("plan", 0.031_249, 0.4),
+            stage("fill", 93.4, 1.4),
+            stage("write", 12.0, 0.9),
+        ],
         clusters: clusters(&holes),
         summary: Summary::from_holes(&holes),
         holes,
-        seams: SeamRecord { borders: 3, shared_vertices: 412, differing_vertices: 0, max_gap_m: 0.000_000_49 },
+        seams: SeamRecord {
+            borders: 3,
+            shared_vertices: 412,
+            differing_vertices: 0,
+            max_gap_m: 0.000_000_49,
+        },
         configuration: json!({"fill": {"method": "layered", "spacing_m": null}, "note": "</pre><script>"}),
         not_holes: BTreeMap::from([("passage".to_owned(), 2), ("seam_of_sub_blocks".to_owned(), 7)]),
-        defects: vec![DefectRecord { tile: "Tile_+001_+002".to_owned(), what: "3 triangles without area".to_owned(), unusable: false }],
+        defects: vec![DefectRecord {
+            tile: "Tile_+001_+002".to_owned(),
+            what: "3 triangles without area".to_owned(),
+            unusable: false,
+        }],
         warnings: vec!["cells of 250 m were inferred".to_owned()],
         changed_tiles: vec!["Tile_+000_+000.obj".to_owned(), "Tile_+001_+000.obj".to_owned()],
-        execution: Execution { scene: "deliveries/oosterhaven_v2/".to_owned(), output: "out".to_owned(), ..Execution::default() },
+        execution: Execution {
+            scene: "deliveries/oosterhaven_v2/".to_owned(),
+            output: "out".to_owned(),
+            ..Execution::default()
+        },
     }
 }
 
@@ -107,8 +125,12 @@ fn hole(&(cluster, cell, class, shape, layer, place, outcome): &Row) -> HoleReco
 fn reason(outcome: Outcome) -> Option<String> {
     match outcome {
         Outcome::Filled => None,
-        Outcome::Skipped => Some("at the edge of the reconstruction area; --external fill fills it".to_owned()),
-        Outcome::Failed => Some("its rim crosses itself at 84930.2, 446640.9 and no triangulation joins it <b>".to_owned()),
+        Outcome::Skipped => {
+            Some("at the edge of the reconstruction area; --external fill fills it".to_owned())
+        }
+        Outcome::Failed => {
+            Some("its rim crosses itself at 84930.2, 446640.9 and no triangulation joins it <b>".to_owned())
+        }
     }
 }
 
@@ -138,7 +160,7 @@ fn clusters(holes: &[HoleRecord]) -> Vec<ClusterRecord> {
 }
 
 /// Its shapes; `with_hillshade` adds a hilly ground with the holes cut out before, and whole after.
-pub fn drawing(with_hillshade: bool) -> Drawing {
+pub(crate) fn drawing(with_hillshade: bool) -> Drawing {
     let rect = |cell: [i32; 2]| {
         let (x, y) = (f64::from(cell[0]) * CELL_M, f64::from(cell[1]) * CELL_M);
         [x, y, x + CELL_M, y + CELL_M]
@@ -162,7 +184,8 @@ pub fn drawing(with_hillshade: bool) -> Drawing {
         rings: outline(rect(cell), place, shape == Some(HoleShape::D)),
         outcome,
     });
-    let lake = vec![[325.0, 125.0], [475.0, 125.0], [750.0, 250.0], [750.0, 650.0], [525.0, 650.0], [300.0, 450.0]];
+    let lake =
+        vec![[325.0, 125.0], [475.0, 125.0], [750.0, 250.0], [750.0, 650.0], [525.0, 650.0], [300.0, 450.0]];
     let raster = |cut| with_hillshade.then(|| hills(cut));
     Drawing {
         cells: cells.collect(),
@@ -204,15 +227,4 @@ fn hills(cut: bool) -> HeightRaster {
         raster.add_triangles(&square, &[[0, 1, 2], [0, 2, 3]]);
     }
     raster
-}
-
-/// Compares a text with a file of testdata/expected; `LACUNA_BLESS=1` writes the file instead.
-pub fn expect_file(name: &str, text: &str) {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../testdata/expected").join(name);
-    if std::env::var_os("LACUNA_BLESS").is_some() {
-        std::fs::write(&path, text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-        return;
-    }
-    let expected = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}; LACUNA_BLESS=1 writes it", path.display()));
-    assert_eq!(text, expected, "{name} differs; LACUNA_BLESS=1 takes the new text");
 }
