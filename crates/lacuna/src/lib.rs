@@ -7,12 +7,12 @@ pub mod config;
 mod exit;
 mod geometry;
 mod interrupt;
-mod pipeline;
 pub mod logging;
+mod pipeline;
 pub mod progress;
 pub mod report;
 
 pub use exit::ExitCode;
 pub use geometry::PolygonSet;
 pub use interrupt::Interrupt;
-pub use pipeline::{RunError, RunResult, inspect, repair};
+pub use pipeline::{RunError, RunResult, SceneInfo, info, inspect, repair};

@@ -17,17 +17,8 @@ pub(crate) const BASE_BYTES: u64 = 24 << 20;
 pub(crate) enum StageKind {
     Scan,
     Fill,
+    Seams,
     Write,
-}
-
-impl StageKind {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Scan => "scan",
-            Self::Fill => "fill",
-            Self::Write => "write",
-        }
-    }
 }
 
 /// Shared by all stages of one run.

@@ -5,15 +5,18 @@ mod assemble;
 mod context;
 mod error;
 mod frames;
+mod info;
 mod manifest;
 mod names;
 mod out_dir;
+mod outputs;
+mod preview;
+mod run;
 mod scan;
 mod select;
 mod solve;
 mod write;
 
 pub use error::RunError;
+pub use info::{SceneInfo, info};
 pub use run::{RunResult, inspect, repair};
-
-mod run;

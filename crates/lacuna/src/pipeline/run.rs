@@ -10,6 +10,8 @@ use super::frames::{Frames, SeamFacts};
 use super::manifest::{InputFile, MANIFEST, Manifest, write_whole};
 use super::names::Names;
 use super::out_dir::{self, OutDir};
+use super::outputs::write_report;
+use super::preview::scene_rasters;
 use super::scan::{Scanned, scan};
 use super::select::{Decision, Places, fill_settings, select};
 use super::solve::{Fills, Solved, solve};
@@ -52,12 +54,13 @@ struct Planned {
     srs_origin: DVec2,
 }
 
-/// Finds and classifies all holes of a scene; writes no tile.
+/// Finds and classifies all holes of a scene; writes no tile. With `report` the report, page and maps go into that folder.
 ///
 /// # Errors
 /// Unreadable scene, unusable settings, a memory limit too small for a tile, or a stop.
 pub fn inspect(
     settings: &Settings,
+    report: Option<&Path>,
     interrupt: &Interrupt,
     progress: &Progress,
 ) -> Result<RunResult, RunError> {
@@ -70,7 +73,12 @@ pub fn inspect(
         }
     }
     let (fills, curves) = (Fills::new(), Curves::default());
-    let result = finish(&planned, &fills, &curves, &BTreeMap::new(), stages, &context);
+    let mut result = finish(&planned, &fills, &curves, &BTreeMap::new(), stages, &context);
+    result.drawing.after = None;
+    if let Some(folder) = report {
+        std::fs::create_dir_all(folder).map_err(|e| out_dir::io_error("make", folder, &e))?;
+        write_report(&result, folder)?;
+    }
     Ok(result)
 }
 
@@ -87,7 +95,7 @@ pub fn repair(
         return Err(RunError::usage("no output folder; give it after the scene, or as scene.output"));
     };
     if settings.run.dry_run {
-        return inspect(settings, interrupt, progress);
+        return inspect(settings, None, interrupt, progress);
     }
     let context = Context::new(settings, interrupt, progress)?;
     let mut stages = Stages::default();
@@ -110,7 +118,7 @@ fn scan_and_plan(context: &Context<'_>, stages: &mut Stages) -> Result<Planned, 
     stages.measure("plan", || make_plan(scene, scanned, context))
 }
 
-fn scene_error(error: SceneError) -> RunError {
+pub(crate) fn scene_error(error: SceneError) -> RunError {
     let exit = match error {
         SceneError::Io { .. } => ExitCode::InputOutput,
         _ => ExitCode::Usage,
@@ -197,7 +205,7 @@ fn write_all(
     out: &OutDir,
     context: &Context<'_>,
 ) -> Result<(WrittenFiles, BTreeMap<CellId, String>), RunError> {
-    let mut manifest = start_manifest(planned, context)?;
+    let manifest = start_manifest(planned, context)?;
     manifest.write(&out.own.join(MANIFEST))?;
     let mut refused: BTreeMap<CellId, String> = BTreeMap::new();
     loop {
@@ -301,7 +309,12 @@ fn finish(
         },
         stages: stages.records,
     };
-    let drawing = drawing(plan, &planned.scanned, &planned.names, &outcomes);
+    let written = (0..outcomes.len() as u32).filter(|&h| is_filled(h)).collect();
+    let mut drawing = drawing(plan, &planned.scanned, &planned.names, &outcomes);
+    let scanned = &planned.scanned;
+    let (before, after) = scene_rasters(&scanned.previews, &scanned.bounds, fills, &written);
+    drawing.before = Some(before);
+    drawing.after = Some(after);
     let exit = exit_code(&report, settings.run.fail_on);
     RunResult { report, drawing, exit }
 }
@@ -362,5 +375,6 @@ fn write_run_files(
     let mut manifest = start_manifest(planned, context)?;
     manifest.outputs = written.outputs;
     manifest.finished = true;
+    write_report(result, &out.own)?;
     manifest.write(&out.own.join(MANIFEST))
 }

@@ -2,7 +2,8 @@
 
 use super::RunError;
 use super::context::{Context, StageKind};
-use crate::report::DefectRecord;
+use super::preview::tile_preview;
+use crate::report::{DefectRecord, HeightRaster};
 use glam::DVec2;
 use lacuna_grid::{CellId, Grid, GridHints, InferredGrid, TileBox, infer_grid};
 use lacuna_hole::{CellSurvey, Surveys, survey};
@@ -50,11 +51,14 @@ pub(crate) struct Scanned {
     pub(crate) lost_cell: bool,
     pub(crate) defects: Vec<DefectRecord>,
     pub(crate) bounds: Bounds,
+    /// Small rasters of the tiles.
+    pub(crate) previews: Vec<HeightRaster>,
 }
 
 /// One tile as the workers return it; its cell is not known yet.
 struct ScannedTile {
     survey: CellSurvey,
+    preview: HeightRaster,
     parts: Vec<Part>,
     warnings: Vec<String>,
 }
@@ -107,8 +111,10 @@ fn scan_group(scene: &Scene, group: &TileGroup, context: &Context<'_>) -> Result
         append_mesh(&mut mesh, read);
     }
     let survey = survey(CellId::new(0, 0), &mesh);
+    let preview = tile_preview(&mesh, &survey.bounds, scene.groups.len());
+    drop(mesh);
     lacuna_system::trim();
-    Ok(ScannedTile { survey, parts, warnings })
+    Ok(ScannedTile { survey, preview, parts, warnings })
 }
 
 fn append_mesh(mesh: &mut TriMesh, read: ReadTile) {
@@ -167,13 +173,15 @@ fn collect(
     }
     let (mut surveys, mut tiles) = (Surveys::new(), BTreeMap::new());
     let mut bounds = Bounds::EMPTY;
+    let mut previews = Vec::new();
     for ((group, mut tile), &cell) in good.into_iter().zip(&grid.cells) {
         bounds = bounds.union(&tile.survey.bounds);
         tile.survey.cell = cell;
         tiles.insert(cell, CellTile { name: scene.groups[group].name.clone(), group, parts: tile.parts });
         surveys.insert(cell, tile.survey);
+        previews.push(tile.preview);
     }
-    Ok(Scanned { surveys, tiles, grid, unreadable, lost_cell, defects, bounds })
+    Ok(Scanned { surveys, tiles, grid, unreadable, lost_cell, defects, bounds, previews })
 }
 
 fn find_grid(

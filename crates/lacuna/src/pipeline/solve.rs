@@ -69,6 +69,7 @@ pub(crate) fn solve(
         .flat_map(|&c| plan.curves[c as usize].holes.iter().copied())
         .filter(|h| matches!(fills.get(h), Some(Ok(_))))
         .collect();
+    context.progress.start(StageKind::Seams, again.len() as u64, again.len() as u64);
     fills.extend(filler.fill_all(&again, &curves)?);
     Ok(Solved { fills, curves })
 }
