@@ -115,7 +115,7 @@ pub enum Piece {
         /// True if the next piece continues round the grid corner at the end of this side.
         corner_after: bool,
     },
-    /// A straight edge over a cut inside the tile.
+    /// A straight edge over a cut inside the tile; of no length where the rim touches the border in a vertex.
     Bridge,
 }
 

@@ -3,6 +3,7 @@
 
 use crate::CellSurvey;
 use crate::coverage::{Coverage, End, uncovered};
+use glam::DVec3;
 
 /// A piece of an open hole's outline, counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,7 +12,8 @@ pub(crate) enum RawPiece {
     Chain(usize),
     /// A stretch of the perimeter, from and to (to > from, possibly beyond the perimeter's end).
     Border(f64, f64),
-    /// A jump over a cut inside the tile, from one chain's end to the next one's start.
+    /// A jump over a cut inside the tile, from one chain's end to the next one's start; of no length where a rim touches
+    /// the border in a vertex.
     Bridge,
 }
 
@@ -57,7 +59,11 @@ pub(crate) fn walk(
             walked.broken.push((from, to));
         }
     }
-    link_cuts(survey, coverage, bridge_m, &mut links, &mut taken);
+    // A rim that touches covered border in a vertex is in two chains there, with nothing uncovered between them.
+    let on_border = |end: &End| matches!(end, End::Border(..));
+    link_near(survey, coverage, gap_m, on_border, &mut links, &mut taken);
+    let at_cut = |end: &End| matches!(end, End::Cut(_));
+    link_near(survey, coverage, bridge_m, at_cut, &mut links, &mut taken);
     link_narrow_mouths(coverage, perimeter_m, gap_m, &mut links, &mut taken);
     follow(&links, &mut walked);
     walked
@@ -85,24 +91,28 @@ fn nearest_chain(
     })
 }
 
-/// Joins chain ends at cuts to the nearest chain starts at cuts, nearest pairs first.
-fn link_cuts(
+/// Joins free chain ends of a kind to free chain starts of that kind within `reach_m` in space, nearest pairs first.
+fn link_near(
     survey: &CellSurvey,
     coverage: &Coverage,
-    bridge_m: f64,
+    reach_m: f64,
+    is_kind: impl Fn(&End) -> bool,
     links: &mut [Option<Link>],
     taken: &mut [bool],
 ) {
+    let chains = || coverage.chains.iter().enumerate();
+    let ends: Vec<(usize, DVec3)> = chains()
+        .filter(|(k, c)| links[*k].is_none() && is_kind(&c.end))
+        .filter_map(|(k, c)| Some((k, survey.to(*c.edges.last()?))))
+        .collect();
+    let starts: Vec<(usize, DVec3)> = chains()
+        .filter(|(k, c)| !taken[*k] && is_kind(&c.start))
+        .filter_map(|(k, c)| Some((k, survey.from(*c.edges.first()?))))
+        .collect();
     let mut pairs = Vec::new();
-    for (a, from) in coverage.chains.iter().enumerate() {
-        let End::Cut(p) = from.end else { continue };
-        for (b, to) in coverage.chains.iter().enumerate() {
-            let End::Cut(q) = to.start else { continue };
-            let distance = survey.position(p).distance(survey.position(q));
-            if distance <= bridge_m {
-                pairs.push((distance, a, b));
-            }
-        }
+    for &(a, end) in &ends {
+        let near = starts.iter().map(|&(b, start)| (end.distance(start), a, b));
+        pairs.extend(near.filter(|pair| pair.0 <= reach_m));
     }
     pairs.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
     for (_, a, b) in pairs {
