@@ -1,0 +1,90 @@
+//! The same holes come out however a scene is turned, mirrored, shifted, numbered or ordered.
+
+mod kit;
+
+use kit::{Motion, Scene, Step, assert_same, cut, keep, lattice, signature};
+use lacuna_grid::CellId;
+use lacuna_hole::ClusterRule;
+
+/// Scenes that hold every class between them.
+fn scenes() -> Vec<(&'static str, Scene)> {
+    let river = [
+        cut(0.0, 11.0, 24.0, 13.0),
+        cut(10.0, 9.0, 14.0, 15.0),
+        keep(11.0, 10.0, 13.0, 14.0),
+        cut(2.0, 2.0, 4.0, 5.0),
+    ];
+    let lake = [
+        cut(5.0, 6.0, 35.0, 33.0),
+        keep(17.0, 18.0, 22.0, 23.0),
+        cut(18.0, 19.0, 20.0, 21.0),
+        keep(30.0, 22.0, 33.0, 26.0),
+        Step::Missing(0, 4),
+        Step::Empty(4, 0),
+    ];
+    let bays = [
+        cut(6.0, 9.0, 8.0, 11.0),
+        cut(8.0, 13.0, 10.0, 15.0),
+        Step::CutDisc(16.0, 16.0, 3.3),
+        cut(20.0, 1.0, 24.0, 5.0),
+        keep(22.0, 1.0, 24.0, 3.0),
+    ];
+    let by_cell = Scene { rule: ClusterRule::Cell, ..lattice(3, 3, 0.25, &bays) };
+    vec![
+        ("a river", lattice(3, 3, 0.25, &river)),
+        ("a lake", lattice(5, 5, 0.25, &lake)),
+        ("bays", lattice(3, 3, 0.25, &bays)),
+        ("bays, clusters by cell", by_cell),
+        ("a plain raster", lattice(3, 3, 0.0, &bays)),
+    ]
+}
+
+fn check(motions: &[Motion]) {
+    for (name, scene) in scenes() {
+        let expected = signature(&scene.plan(), |cell| motions.iter().fold(cell, |c, m| m.cell(c)));
+        assert!(expected.len() > 3, "{name}: too little to compare");
+        let moved = motions.iter().fold(scene, |s, m| m.of(&s));
+        assert_same(&expected, &signature(&moved.plan(), |c| c), &format!("{name}, {motions:?}"));
+    }
+}
+
+#[test]
+fn quarter_turns() {
+    for turns in 1..=3 {
+        check(&vec![Motion::Turn; turns]);
+    }
+}
+
+#[test]
+fn mirrored() {
+    check(&[Motion::Mirror]);
+    check(&[Motion::Mirror, Motion::Turn]);
+}
+
+#[test]
+fn far_from_the_origin() {
+    check(&[Motion::Shift(5e5, -5e5)]);
+    check(&[Motion::Shift(-4.97e5, 2.488e6)]);
+    check(&[Motion::Shift(5e5, 5e5), Motion::Turn, Motion::Mirror]);
+}
+
+#[test]
+fn other_cell_numbers() {
+    check(&[Motion::Renumber(-3, 12)]);
+    check(&[Motion::Renumber(-20, -20)]);
+}
+
+#[test]
+fn other_orders_in_the_files() {
+    check(&[Motion::ShuffleTriangles]);
+    check(&[Motion::ShuffleVertices]);
+    check(&[Motion::ShuffleVertices, Motion::ShuffleTriangles, Motion::Turn, Motion::Shift(5e5, 5e5)]);
+}
+
+#[test]
+fn four_turns_are_none() {
+    let (_, scene) = scenes().remove(0);
+    let moved = (0..4).fold(scene.clone(), |s, _| Motion::Turn.of(&s));
+    assert_eq!(moved.tiles, scene.tiles);
+    assert_eq!(moved.tiles.keys().next(), Some(&CellId::new(0, 0)));
+}
