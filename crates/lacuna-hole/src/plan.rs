@@ -14,8 +14,8 @@ use crate::survey::survey_loop;
 use crate::walk::{RawPiece, Walked, walk};
 use crate::{BorderMode, CellSurvey, HoleClass, NotHole, Surveys};
 use glam::{DVec2, DVec3};
-use lacuna_grid::{Area, BorderId, CellId, CornerId, Domain, Grid, Side};
-use lacuna_mesh::{PointId, signed_area};
+use lacuna_grid::{Area, AreaLimit, BorderId, CellId, CornerId, Domain, Grid, Side};
+use lacuna_mesh::{Location, PointId, contains, signed_area};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -28,6 +28,8 @@ pub enum Leave {
     UnmatchedBorder,
     /// A neighbouring tile could not be read.
     BadNeighbour,
+    /// The hole crosses the outline of a polygon area: where it should end is not known to the tiles.
+    CrossesArea,
     /// No hole of the cluster has any surface on its rim: its height is unknown.
     NoSurface,
 }
@@ -37,6 +39,7 @@ impl fmt::Display for Leave {
         f.write_str(match self {
             Self::UnmatchedBorder => "no rim of the neighbouring tile matches the hole on their border",
             Self::BadNeighbour => "a neighbouring tile could not be read",
+            Self::CrossesArea => "the hole crosses the outline of the area's polygon",
             Self::NoSurface => "no tile of the cluster has surface to take heights from",
         })
     }
@@ -136,6 +139,8 @@ pub struct Hole {
     pub islands: Vec<u32>,
     /// Share of its border that lies on the area's edge.
     pub external_share: f64,
+    /// True if it reaches the area's edge, or the area's polygon leaves it out.
+    pub is_external: bool,
     /// Plan area without islands, square metres (of a hole in a wall: its area in space).
     pub area_m2: f64,
     /// Length of rim and border, metres.
@@ -400,6 +405,7 @@ impl<'a> Builder<'a> {
             outer,
             islands,
             external_share,
+            is_external: external_share > 0.0,
             area_m2,
             perimeter_m: 0.0,
             rim_vertices: 0,
@@ -472,6 +478,7 @@ impl<'a> Builder<'a> {
             outer: vec![Piece::Rim(l.edges.clone())],
             islands,
             external_share: 0.0,
+            is_external: false,
             area_m2: if upright { space_area } else { plan_area_m2 },
             perimeter_m: 0.0,
             rim_vertices: 0,
@@ -482,8 +489,18 @@ impl<'a> Builder<'a> {
         self.push_hole(survey, record);
     }
 
-    /// Adds the figures that follow from the pieces.
+    /// Adds the figures that follow from the pieces, and judges the hole against a polygon area.
     fn push_hole(&mut self, survey: &CellSurvey, mut hole: Hole) {
+        if let AreaLimit::Polygon(rings) = &self.options.area.limit {
+            match place_in_area(&hole.outline, rings) {
+                PlaceInArea::Inside => {}
+                PlaceInArea::Outside => make_external(&mut hole),
+                PlaceInArea::Crosses => {
+                    make_external(&mut hole);
+                    hole.leave = Some(Leave::CrossesArea);
+                }
+            }
+        }
         let length =
             |edges: &[u32]| -> f64 { edges.iter().map(|&e| survey.from(e).distance(survey.to(e))).sum() };
         let first_piece =
@@ -589,10 +606,36 @@ impl<'a> Builder<'a> {
             centre: largest.map_or(DVec2::ZERO, |h| point_inside(&h.outline)),
             area_m2: holes.iter().map(|h| hole(h).area_m2).sum(),
             layers: holes.iter().map(|h| hole(h).layer).max().unwrap_or(0),
-            is_external: holes.iter().any(|h| matches!(hole(h).class, HoleClass::External(_))),
+            is_external: holes.iter().any(|h| hole(h).is_external),
             leave: holes.iter().filter_map(|h| hole(h).leave).max().max(unsolved),
             holes,
         }
+    }
+}
+
+/// Where a hole lies in a polygon area.
+enum PlaceInArea {
+    Inside,
+    Outside,
+    Crosses,
+}
+
+fn place_in_area(outline: &[DVec2], rings: &[Vec<DVec2>]) -> PlaceInArea {
+    let is_inside =
+        |p: &DVec2| rings.iter().filter(|ring| contains(ring, *p) != Location::Outside).count() % 2 == 1;
+    let inside = outline.iter().filter(|p| is_inside(p)).count();
+    match inside {
+        0 => PlaceInArea::Outside,
+        n if n == outline.len() => PlaceInArea::Inside,
+        _ => PlaceInArea::Crosses,
+    }
+}
+
+/// A hole that the area's outline cuts, or beyond it, counts as external.
+fn make_external(hole: &mut Hole) {
+    hole.is_external = true;
+    if let HoleClass::Internal(shape) = hole.class {
+        hole.class = HoleClass::External(shape);
     }
 }
 

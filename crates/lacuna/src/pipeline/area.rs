@@ -1,19 +1,46 @@
 //! The reconstruction area of a run.
 
 use super::scan::Scanned;
+use crate::PolygonSet;
 use crate::config::AreaLimit;
-use lacuna_grid::{Area, CellId};
+use glam::DVec2;
+use lacuna_grid::{Area, AreaLimit as GridLimit, CellId, Grid};
 use std::collections::BTreeSet;
 
-/// The area that the settings ask for: the cells that have tiles (unreadable ones too), or the box of all vertices.
-pub(crate) fn area(scanned: &Scanned, limit: &AreaLimit) -> Area {
+/// The area that the settings ask for: the cells that have tiles (unreadable ones too), the box of all vertices, or
+/// polygons; then missing cells that lie wholly inside them belong to it too.
+pub(crate) fn area(scanned: &Scanned, limit: &AreaLimit, srs_origin: DVec2) -> Area {
     let present: BTreeSet<CellId> =
         scanned.surveys.keys().chain(scanned.unreadable.keys()).copied().collect();
+    let grid = &scanned.grid.grid;
     match limit {
+        AreaLimit::Cells => Area::of_cells(&present),
         AreaLimit::Box => {
             let b = &scanned.bounds;
-            Area::of_box(&present, &scanned.grid.grid, b.min.truncate(), b.max.truncate())
+            Area::of_box(&present, grid, b.min.truncate(), b.max.truncate())
         }
-        AreaLimit::Cells | AreaLimit::Polygon(_) => Area::of_cells(&present),
+        AreaLimit::Polygon(file) => {
+            let polygons = file.in_scene(srs_origin);
+            let cells = present.into_iter().chain(cells_inside(&polygons, grid)).collect();
+            Area { cells, limit: GridLimit::Polygon(polygons.rings) }
+        }
     }
+}
+
+/// Cells whose four corners and middle lie inside the polygons.
+fn cells_inside(polygons: &PolygonSet, grid: &Grid) -> Vec<CellId> {
+    let points = || polygons.rings.iter().flatten();
+    let low = points().fold(DVec2::INFINITY, |m, p| m.min(*p));
+    let high = points().fold(DVec2::NEG_INFINITY, |m, p| m.max(*p));
+    if !(low.is_finite() && high.is_finite()) {
+        return Vec::new();
+    }
+    let (first, last) = (grid.cell_at(low), grid.cell_at(high));
+    let all = (first.j..=last.j).flat_map(|j| (first.i..=last.i).map(move |i| CellId::new(i, j)));
+    let inside = |cell: &CellId| {
+        let (a, b) = grid.rectangle(*cell);
+        let corners = [a, DVec2::new(b.x, a.y), b, DVec2::new(a.x, b.y), (a + b) / 2.0];
+        corners.into_iter().all(|p| polygons.contains(p))
+    };
+    all.filter(inside).collect()
 }

@@ -128,7 +128,9 @@ pub(crate) fn scene_error(error: SceneError) -> RunError {
 
 fn make_plan(scene: Scene, scanned: Scanned, context: &Context<'_>) -> Result<Planned, RunError> {
     let settings = context.settings;
-    let area = area(&scanned, &settings.area.limit);
+    let origin = settings.scene.srs_origin.or_else(|| scene.metadata.as_ref().map(|m| m.srs_origin));
+    let srs_origin = origin.map_or(DVec2::ZERO, |o| DVec2::new(o[0], o[1]));
+    let area = area(&scanned, &settings.area.limit, srs_origin);
     let unreadable = scanned.unreadable_cells(&area.cells);
     let options = PlanOptions {
         grid: scanned.grid.grid,
@@ -140,11 +142,9 @@ fn make_plan(scene: Scene, scanned: Scanned, context: &Context<'_>) -> Result<Pl
     };
     let plan = plan(&scanned.surveys, &options);
     let hollow = hollow_tiles(&scene, &scanned, &plan);
-    let origin = settings.scene.srs_origin.or_else(|| scene.metadata.as_ref().map(|m| m.srs_origin));
-    let srs_origin = origin.map_or(DVec2::ZERO, |o| DVec2::new(o[0], o[1]));
     let hollow_names = hollow.iter().map(|(c, (_, path))| (*c, stem(path))).collect();
     let names = Names::new(&plan, &scanned.tiles, &hollow_names, srs_origin);
-    let places = Places { regions: BTreeMap::new() };
+    let places = Places::new(settings, srs_origin);
     let decisions = select(&plan, &names, settings, &places);
     Ok(Planned { scene, scanned, plan, names, decisions, places, hollow, srs_origin })
 }

@@ -16,10 +16,28 @@ pub(crate) enum Decision {
     Skip(String),
 }
 
-/// Polygons of the regions and of the area, read before the plan.
+/// What users' places mean in scene coordinates.
 pub(crate) struct Places {
-    /// For each region, by number: its polygons in scene coordinates, if it is given by a file.
-    pub(crate) regions: BTreeMap<usize, PolygonSet>,
+    /// For each region, by number: its polygons, if it is given by a file.
+    regions: BTreeMap<usize, PolygonSet>,
+    /// Added to scene coordinates to get SRS coordinates.
+    srs_origin: DVec2,
+}
+
+impl Places {
+    /// Moves the polygons of the regions into the scene.
+    pub(crate) fn new(settings: &Settings, srs_origin: DVec2) -> Self {
+        let polygons = settings.regions.iter().enumerate().filter_map(|(k, r)| match &r.at {
+            RegionPlace::Polygon(file) => Some((k, file.in_scene(srs_origin))),
+            _ => None,
+        });
+        Self { regions: polygons.collect(), srs_origin }
+    }
+
+    /// A place that a user names is in SRS coordinates, as reports print it; scene coordinates are understood too.
+    fn readings(&self, place: DVec2) -> [DVec2; 2] {
+        [place - self.srs_origin, place]
+    }
 }
 
 /// Decides every cluster of a plan.
@@ -46,19 +64,20 @@ fn last_region<'a>(
     settings: &'a Settings,
     places: &Places,
 ) -> Option<&'a Region> {
-    let at = |k: &usize| lies_in(plan, cluster, &settings.regions[*k], places.regions.get(k));
+    let at = |k: &usize| lies_in(plan, cluster, &settings.regions[*k], *k, places);
     (0..settings.regions.len()).rev().find(at).map(|k| &settings.regions[k])
 }
 
 /// True if a cluster lies in a region: for a point, if one of its holes holds it; else if its centre lies inside.
-fn lies_in(plan: &Plan, cluster: usize, region: &Region, polygons: Option<&PolygonSet>) -> bool {
+fn lies_in(plan: &Plan, cluster: usize, region: &Region, number: usize, places: &Places) -> bool {
     let record = &plan.clusters[cluster];
     match &region.at {
-        RegionPlace::Point(p) => holds(plan, record, DVec2::from(*p)),
+        RegionPlace::Point(p) => places.readings(DVec2::from(*p)).into_iter().any(|p| holds(plan, record, p)),
         RegionPlace::Box([west, south, east, north]) => {
-            (*west..=*east).contains(&record.centre.x) && (*south..=*north).contains(&record.centre.y)
+            let inside = |p: DVec2| (*west..=*east).contains(&p.x) && (*south..=*north).contains(&p.y);
+            inside(record.centre + places.srs_origin) || inside(record.centre)
         }
-        RegionPlace::Polygon(_) => polygons.is_some_and(|set| set.contains(record.centre)),
+        RegionPlace::Polygon(_) => places.regions.get(&number).is_some_and(|set| set.contains(record.centre)),
     }
 }
 
@@ -105,14 +124,13 @@ impl Selector<'_> {
         }
         let by_region = selection.regions.iter().any(|name| {
             let number = self.settings.regions.iter().position(|r| r.name == *name);
-            number.is_some_and(|k| {
-                lies_in(self.plan, c, &self.settings.regions[k], self.places.regions.get(&k))
-            })
+            number.is_some_and(|k| lies_in(self.plan, c, &self.settings.regions[k], k, self.places))
         });
         let by_cell = selection.cells.as_ref().is_some_and(|names| {
             cluster.holes.iter().any(|&h| names.iter().any(|n| *n == self.names.holes[h as usize].tile))
         });
-        let by_place = selection.at.iter().any(|&p| holds(self.plan, cluster, DVec2::from(p)));
+        let pins = selection.at.iter().flat_map(|&p| self.places.readings(DVec2::from(p)));
+        let by_place = pins.into_iter().any(|p| holds(self.plan, cluster, p));
         let by_id = selection.holes.iter().any(|id| {
             *id == self.names.clusters[c]
                 || cluster.holes.iter().any(|&h| *id == self.names.holes[h as usize].id)
