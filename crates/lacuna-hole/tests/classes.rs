@@ -265,6 +265,48 @@ fn the_area_decides() {
 }
 
 #[test]
+fn a_rim_that_touches_the_border_in_a_vertex() {
+    let triangle = |x: f64, y: f64| Step::CutDisc(x, y, 0.1);
+    let third = 1.0 / 3.0;
+    check(vec![
+        case(
+            "from a closed hole",
+            vec![cut(13.0, 10.0, 15.0, 12.0), triangle(15.0 + third, 11.0 + 2.0 * third)],
+            &["1,1 closed L1 #0 4.5"],
+        ),
+        case(
+            "on both sides of a closed hole",
+            vec![
+                cut(9.0, 11.0, 15.0, 12.0),
+                triangle(15.0 + third, 11.0 + 2.0 * third),
+                triangle(9.0 - third, 11.0 + 2.0 * third),
+            ],
+            &["1,1 closed L1 #0 7"],
+        ),
+        case(
+            "a disc that opens two borders and touches them besides",
+            vec![Step::CutDisc(12.5, 12.5, 3.6)],
+            &["1,1 I-D L1 #0 41"],
+        ),
+        case(
+            "from a bay at another border",
+            vec![Step::CutDisc(21.138, 4.478, 2.941)],
+            &["2,0 II-B L1 #0 27.5"],
+        ),
+        case(
+            "from holes of both cells: they meet in a point and stay two",
+            vec![
+                cut(13.0, 10.0, 15.0, 12.0),
+                triangle(15.0 + third, 11.0 + 2.0 * third),
+                cut(17.0, 10.0, 19.0, 12.0),
+                triangle(17.0 - third, 11.0 + 2.0 * third),
+            ],
+            &["1,1 closed L1 #0 4.5", "2,1 closed L1 #1 4.5"],
+        ),
+    ]);
+}
+
+#[test]
 fn layers_count_from_the_shore() {
     check(vec![
         Case {

@@ -1,0 +1,212 @@
+//! What only looks like a hole is counted by kind and left alone.
+
+mod kit;
+
+use glam::{DVec2, DVec3};
+use kit::{CELL_M, Scene, append, block, cut, lattice, lines, sheet, tube};
+use lacuna_grid::{CellId, Grid};
+use lacuna_hole::{BorderMode, NotHole};
+use lacuna_mesh::TriMesh;
+use std::collections::BTreeMap;
+
+fn count(scene: &Scene, what: NotHole) -> u32 {
+    scene.plan().plan.not_holes.get(&what).copied().unwrap_or(0)
+}
+
+#[test]
+fn debris_in_a_hole_is_no_island() {
+    for (name, steps, expected) in [
+        ("closed", cut(9.0, 9.0, 15.0, 15.0), "1,1 closed L1 #0 36"),
+        ("open", cut(9.0, 9.0, 16.0, 15.0), "1,1 I-B L1 #0 42"),
+        ("hollow", cut(8.0, 8.0, 16.0, 16.0), "1,1 I-A L1 #0 64"),
+    ] {
+        let mut scene = lattice(3, 3, 0.0, &[steps]);
+        append(scene.tile(1, 1), sheet(DVec2::splat(11.1), DVec2::splat(11.9), 5.0, 1, 1));
+        assert_eq!(lines(&scene.plan().plan), [expected], "{name}");
+        assert_eq!(count(&scene, NotHole::Floater), 1, "{name}");
+    }
+}
+
+#[test]
+fn a_floater_above_ground() {
+    for (name, z) in [("above", 30.0), ("below", -10.0)] {
+        let mut scene = lattice(3, 3, 0.2, &[]);
+        append(scene.tile(1, 1), sheet(DVec2::splat(10.1), DVec2::splat(14.3), z, 5, 5));
+        assert!(lines(&scene.plan().plan).is_empty(), "{name}");
+        assert_eq!(count(&scene, NotHole::Floater), 1, "{name}");
+    }
+}
+
+#[test]
+fn a_shaft_open_at_its_bottom() {
+    let mut scene = lattice(3, 3, 0.0, &[cut(10.0, 10.0, 13.0, 12.0)]);
+    let rim: Vec<DVec3> = {
+        let planned = scene.plan();
+        let survey = &planned.surveys[&CellId::new(1, 1)];
+        let hole = survey.loops.iter().find(|l| l.vector_area.z > 0.0).unwrap();
+        hole.edges.iter().map(|&e| survey.from(e)).collect()
+    };
+    append(scene.tile(1, 1), tube(&rim, 6.0));
+    assert!(lines(&scene.plan().plan).is_empty());
+    assert_eq!(count(&scene, NotHole::Passage), 1);
+}
+
+#[test]
+fn a_slit_of_a_millimetre() {
+    // Rows of a tile that were meant to meet at y = 11.
+    for (name, jitter_m) in [("straight", 0.0), ("crooked", 0.3)] {
+        let mut scene = lattice(3, 3, jitter_m, &[]);
+        open_slit(scene.tile(1, 1), 0.001);
+        let planned = scene.plan();
+        assert_eq!(planned.surveys[&CellId::new(1, 1)].loops.len(), 2, "{name}: there is a slit");
+        assert!(lines(&planned.plan).is_empty(), "{name}");
+    }
+}
+
+#[test]
+fn a_crack_of_a_decimetre_is_a_hole() {
+    let mut scene = lattice(3, 3, 0.3, &[]);
+    open_slit(scene.tile(1, 1), 0.1);
+    let plan = scene.plan().plan;
+    assert_eq!(plan.holes.len(), 1);
+    assert_eq!(plan.holes[0].class.to_string(), "closed");
+}
+
+/// Doubles the vertices near (10..14, 11) and moves the upper triangles' ones up.
+fn open_slit(mesh: &mut TriMesh, width_m: f64) {
+    let is_on_slit = |p: DVec3| (p.y - 11.0).abs() < 0.45 && (9.5..14.5).contains(&p.x);
+    let mut doubles: BTreeMap<u32, u32> = BTreeMap::new();
+    for t in 0..mesh.triangles.len() {
+        let corners = mesh.corners(t);
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let above = corners.iter().any(|p| p.y > 11.5);
+        if !above || !(8.0..16.0).contains(&middle.x) {
+            continue;
+        }
+        for k in 0..3 {
+            let v = mesh.triangles[t][k];
+            if is_on_slit(mesh.positions[v as usize]) && (v as usize) < 81 {
+                let new = *doubles.entry(v).or_insert_with(|| {
+                    mesh.positions.push(mesh.positions[v as usize] + DVec3::Y * width_m);
+                    mesh.positions.len() as u32 - 1
+                });
+                mesh.triangles[t][k] = new;
+            }
+        }
+    }
+}
+
+/// One cell of two sub-blocks that overlap by 0.1 m, each with a lattice of its own, in a ring of full cells. Quads that
+/// `is_cut` names by their middle are left out.
+fn with_inner_cut(is_cut: impl Fn(f64, f64) -> bool) -> Scene {
+    let mut scene = lattice(3, 3, 0.0, &[]);
+    let steps = |low: f64, high: f64, n: usize| -> Vec<f64> {
+        (0..=n).map(|k| if k == n { high } else { low + (high - low) * k as f64 / n as f64 }).collect()
+    };
+    let mut mesh = TriMesh::default();
+    for (low, high, columns, rows) in [(8.0, 12.05, 5, 8), (11.95, 16.0, 4, 11)] {
+        let xs = steps(low, high, columns);
+        let ys = steps(8.0, 16.0, rows);
+        let middle = |v: &[f64], k: usize| (v[k] + v[k + 1]) / 2.0;
+        let keep = |c: usize, r: usize| !is_cut(middle(&xs, c), middle(&ys, r));
+        let flat: Vec<(f64, f64)> = ys.iter().map(|&y| (y, 5.0)).collect();
+        append(&mut mesh, block(&xs, &flat, keep));
+    }
+    *scene.tile(1, 1) = mesh;
+    scene
+}
+
+#[test]
+fn a_cut_inside_a_tile_is_no_hole() {
+    let planned = with_inner_cut(|_, _| false).plan();
+    assert_eq!(planned.plan.fit.mode, BorderMode::Exact);
+    assert!(lines(&planned.plan).is_empty(), "{:?}", lines(&planned.plan));
+}
+
+#[test]
+fn a_hole_across_a_cut_inside_a_tile() {
+    let planned = with_inner_cut(|x, y| (x - 12.0).abs() < 2.2 && (y - 12.0).abs() < 2.2).plan();
+    let found = lines(&planned.plan);
+    assert_eq!(planned.plan.holes.len(), 1, "{found:?}");
+    assert_eq!(planned.plan.holes[0].class.to_string(), "closed");
+    assert!((14.0..21.0).contains(&planned.plan.holes[0].area_m2), "{found:?}");
+}
+
+#[test]
+fn a_hole_beside_a_cut_inside_a_tile() {
+    let planned = with_inner_cut(|x, y| (9.0..11.0).contains(&x) && (y - 12.0).abs() < 1.2).plan();
+    assert_eq!(planned.plan.holes.len(), 1, "{:?}", lines(&planned.plan));
+    assert_eq!(planned.plan.holes[0].class.to_string(), "closed");
+}
+
+#[test]
+fn a_hole_across_a_cut_that_reaches_the_border() {
+    let planned = with_inner_cut(|x, y| (x - 12.0).abs() < 2.2 && y > 12.0).plan();
+    let found = lines(&planned.plan);
+    assert_eq!(planned.plan.holes.len(), 1, "{found:?}");
+    assert_eq!(planned.plan.holes[0].class.to_string(), "I-B", "{found:?}");
+}
+
+#[test]
+fn a_balcony_over_the_border() {
+    // A sheet above the ground that ends on the border: its outline opens nothing.
+    let mut scene = lattice(3, 3, 0.2, &[]);
+    append(scene.tile(1, 1), sheet(DVec2::new(13.0, 10.0), DVec2::new(16.0, 14.0), 12.0, 4, 4));
+    let plan = scene.plan().plan;
+    assert!(lines(&plan).is_empty(), "{:?}", lines(&plan));
+    assert_eq!(plan.not_holes.get(&NotHole::Overhang), Some(&1));
+}
+
+#[test]
+fn a_bridge_over_the_border_of_two_cells() {
+    let mut scene = lattice(3, 3, 0.2, &[]);
+    append(scene.tile(1, 1), sheet(DVec2::new(13.0, 10.0), DVec2::new(16.0, 14.0), 12.0, 4, 4));
+    append(scene.tile(2, 1), sheet(DVec2::new(16.0, 10.0), DVec2::new(19.0, 14.0), 12.0, 4, 4));
+    let plan = scene.plan().plan;
+    assert!(lines(&plan).is_empty(), "{:?}", lines(&plan));
+}
+
+#[test]
+fn a_bridge_over_a_lake_across_the_border() {
+    let mut scene = lattice(3, 3, 0.2, &[cut(12.0, 9.0, 20.0, 15.0)]);
+    append(scene.tile(1, 1), sheet(DVec2::new(13.0, 11.0), DVec2::new(16.0, 13.0), 12.0, 6, 4));
+    append(scene.tile(2, 1), sheet(DVec2::new(16.0, 11.0), DVec2::new(19.0, 13.0), 12.0, 6, 4));
+    let plan = scene.plan().plan;
+    // Seen from above the bridge parts the lake's stretch of the border: as an island on it would.
+    assert_eq!(plan.clusters.len(), 1, "{:?}", lines(&plan));
+    assert_eq!(plan.unclear_stretches, 0);
+}
+
+#[test]
+fn broken_input_is_no_panic() {
+    let corner = |x: f64, y: f64| DVec3::new(x, y, 1.0);
+    let odd = TriMesh {
+        positions: vec![
+            corner(0.0, 0.0),
+            corner(8.0, 0.0),
+            corner(8.0, 8.0),
+            DVec3::NAN,
+            DVec3::INFINITY,
+            corner(0.0, 8.0),
+        ],
+        triangles: vec![
+            [0, 1, 2],
+            [0, 2, 3],
+            [0, 4, 5],
+            [1, 1, 2],
+            [0, 1, 2],
+            [2, 1, 0],
+            [5, 2, 0],
+            [0, 1, 5],
+        ],
+    };
+    let grid = Grid { origin: DVec2::ZERO, cell_size_m: CELL_M };
+    for k in 0..odd.triangles.len() {
+        let mesh = TriMesh { triangles: odd.triangles[k..].to_vec(), ..odd.clone() };
+        let scene = Scene::new(grid, BTreeMap::from([(CellId::new(0, 0), mesh)]));
+        let plan = scene.plan().plan;
+        assert!(plan.holes.iter().all(|h| h.area_m2.is_finite()));
+    }
+    let nothing = Scene::new(grid, BTreeMap::new());
+    assert!(nothing.plan().plan.holes.is_empty());
+}
