@@ -2,6 +2,7 @@
 #![allow(clippy::print_stdout, reason = "the command line prints its results")]
 
 mod args;
+mod demo;
 
 use anyhow::Result;
 use args::{Args, Verb};
@@ -24,6 +25,7 @@ fn main() -> Result<()> {
             );
             println!("faces taken by each disc: {:?}", summary.removed);
         }
+        Verb::Demo(args) => demo::demo(&args.folder)?,
     }
     Ok(())
 }
