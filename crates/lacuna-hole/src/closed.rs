@@ -67,6 +67,18 @@ pub(crate) fn is_debris(survey: &CellSurvey, component: u32) -> bool {
     c.triangles < 50 && c.area_m2 < 4.0 * survey.median_edge_m * survey.median_edge_m
 }
 
+/// How far a piece must float above a hole's rim to be no island, metres: a crown above a pond.
+const HOVER_M: f64 = 2.0;
+
+/// True if all of a loop lies clearly above all of a hole's rim (algorithms note B.5). A hole without rim has no height to
+/// float above.
+pub(crate) fn hovers(survey: &CellSurvey, island: &LoopSurvey, rim: &[u32]) -> bool {
+    let heights = |edges: &[u32]| edges.iter().map(|&e| survey.from(e).z).collect::<Vec<_>>();
+    let highest = heights(rim).into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let lowest = heights(&island.edges).into_iter().fold(f64::INFINITY, f64::min);
+    !rim.is_empty() && lowest > highest + HOVER_M
+}
+
 /// The polygon of a loop in plan.
 pub(crate) fn loop_polygon(survey: &CellSurvey, l: &LoopSurvey) -> Vec<DVec2> {
     l.edges.iter().map(|&e| survey.from(e).truncate()).collect()

@@ -34,17 +34,18 @@ fn border_side(survey: &CellSurvey, domain: &Domain, fit: &BorderFit, edge: u32)
         let beyond = fit.mode == BorderMode::Overlap;
         offsets.map(|o| if beyond { (-o).max(0.0) } else { o.abs() }).into_iter().fold(0.0, f64::max)
     };
-    let nearest = Side::ALL.into_iter().min_by(|x, y| far(*x).total_cmp(&far(*y)))?;
-    if far(nearest) > fit.tolerance_m {
-        return None;
-    }
     let exact = matches!(fit.mode, BorderMode::Exact | BorderMode::Overrun);
     let direction = (b - a).normalize_or_zero();
-    let runs_along = direction.dot(nearest.outward()).abs() <= 0.7;
-    (exact || runs_along).then_some(nearest)
+    // At a corner an edge is near to two sides: the one that it runs along counts.
+    let runs_along = |side: Side| exact || direction.perp_dot(side.outward()).abs() >= 0.7;
+    Side::ALL
+        .into_iter()
+        .filter(|&s| far(s) <= fit.tolerance_m && runs_along(s))
+        .min_by(|x, y| far(*x).total_cmp(&far(*y)))
 }
 
-/// Rim runs shorter than three edges' length between border runs of one side, near to its line, become border.
+/// Rim runs near to the line between border runs become border if they are shorter than three edges; on one side also if
+/// they begin and end so close together that the gap counts as covered.
 fn absorb(survey: &CellSurvey, domain: &Domain, fit: &BorderFit, edges: &[u32], labels: &mut [Label]) {
     let n = edges.len();
     let Some(first) = edges.iter().position(|&e| matches!(labels[e as usize], Label::Border(_))) else {
@@ -53,18 +54,47 @@ fn absorb(survey: &CellSurvey, domain: &Domain, fit: &BorderFit, edges: &[u32], 
     let mut k = 0;
     while k < n {
         let at = |i: usize| edges[(first + i) % n];
-        let Label::Border(side) = labels[at(k) as usize] else {
+        let Label::Border(before) = labels[at(k) as usize] else {
             k += 1;
             continue;
         };
         let run = (k + 1..=n).take_while(|&i| labels[at(i) as usize] == Label::Rim).count();
-        let closes = labels[at(k + run + 1) as usize] == Label::Border(side);
-        let run_edges = || (k + 1..=k + run).map(at);
-        let length: f64 = run_edges().map(|e| survey.from(e).distance(survey.to(e))).sum();
-        let near = run_edges().all(|e| domain.outside_m(side, survey.to(e).truncate()).abs() <= fit.absorb_m);
-        if run > 0 && closes && near && length < 3.0 * fit.edge_m.max(survey.median_edge_m) {
-            run_edges().for_each(|e| labels[e as usize] = Label::Border(side));
+        let run_edges: Vec<u32> = (k + 1..=k + run).map(at).collect();
+        if run > 0
+            && let Label::Border(after) = labels[at(k + run + 1) as usize]
+            && is_noise(survey, domain, fit, &run_edges, [before, after])
+        {
+            for e in run_edges {
+                labels[e as usize] = Label::Border(nearer(survey, domain, e, [before, after]));
+            }
         }
         k += run + 1;
     }
+}
+
+/// True if a run of rim edges between border runs of two sides (mostly the same) is roughness of the cut.
+fn is_noise(
+    survey: &CellSurvey,
+    domain: &Domain,
+    fit: &BorderFit,
+    run: &[u32],
+    [before, after]: [Side; 2],
+) -> bool {
+    let off = |e: u32, side: Side| domain.outside_m(side, survey.to(e).truncate()).abs();
+    let is_near = run.iter().all(|&e| off(e, before).min(off(e, after)) <= fit.absorb_m);
+    let length: f64 = run.iter().map(|&e| survey.from(e).distance(survey.to(e))).sum();
+    let is_short = length < 3.0 * fit.edge_m.max(survey.median_edge_m);
+    let (Some(&first), Some(&last)) = (run.first(), run.last()) else { return false };
+    let [start, end] = [survey.from(first), survey.to(last)].map(|p| before.along(p.truncate()));
+    let is_narrow = before == after && (end - start).abs() <= fit.gap_m;
+    is_near && (is_short || is_narrow)
+}
+
+/// Of two sides the one that an edge's ends are nearer to; the first if equally near.
+fn nearer(survey: &CellSurvey, domain: &Domain, edge: u32, sides: [Side; 2]) -> Side {
+    let far = |side: Side| {
+        let ends = [survey.from(edge), survey.to(edge)];
+        ends.map(|p| domain.outside_m(side, p.truncate()).abs()).into_iter().fold(0.0, f64::max)
+    };
+    if far(sides[1]) < far(sides[0]) { sides[1] } else { sides[0] }
 }

@@ -1,7 +1,7 @@
 //! The plan: every hole of the scene with its class, cluster, layer, and what closes it on the borders.
 
 use crate::classify::classify;
-use crate::closed::{LoopKind, is_debris, judge_loop, loop_polygon, smallest_around};
+use crate::closed::{LoopKind, hovers, is_debris, judge_loop, loop_polygon, smallest_around};
 use crate::cluster::{ClusterRule, DisjointSets};
 use crate::coverage::{Coverage, coverage};
 use crate::cut::{bridge_reach, mark_cuts};
@@ -319,7 +319,19 @@ impl<'a> Builder<'a> {
                 LoopKind::Not(what) => self.count(what, 1),
             }
         }
-        let islands = self.assign_islands(survey, &polygons, &outlines);
+        let rims_of = |pieces: &[RawPiece]| -> Vec<u32> {
+            let chains = pieces.iter().filter_map(|p| match p {
+                RawPiece::Chain(c) => Some(&work.coverage.chains[*c].edges),
+                _ => None,
+            });
+            chains.flatten().copied().collect()
+        };
+        let rims: Vec<Vec<u32>> = open
+            .iter()
+            .map(|pieces| rims_of(pieces))
+            .chain(closed.iter().map(|&l| survey.loops[l as usize].edges.clone()))
+            .collect();
+        let islands = self.assign_islands(survey, &polygons, &rims, &outlines);
         for (k, pieces) in open.into_iter().enumerate() {
             self.add_open(survey, work, pieces, polygons[k].clone(), islands[k].clone());
         }
@@ -361,6 +373,7 @@ impl<'a> Builder<'a> {
         &mut self,
         survey: &CellSurvey,
         polygons: &[(Vec<DVec2>, f64)],
+        rims: &[Vec<u32>],
         outlines: &[u32],
     ) -> Vec<Vec<u32>> {
         let mut islands = vec![Vec::new(); polygons.len()];
@@ -368,7 +381,9 @@ impl<'a> Builder<'a> {
             let l = &survey.loops[index as usize];
             let around = smallest_around(polygons, &loop_polygon(survey, l));
             match around {
-                Some(k) if !is_debris(survey, l.component) => islands[k].push(index),
+                Some(k) if !is_debris(survey, l.component) && !hovers(survey, l, &rims[k]) => {
+                    islands[k].push(index);
+                }
                 _ => self.count(NotHole::Floater, 1),
             }
         }
@@ -531,7 +546,7 @@ impl<'a> Builder<'a> {
             record.leave = record.leave.max(shared.leaves[k]);
         }
         let joined = self.joined(&shared.joined);
-        let layer = self.layers(&joined);
+        let layer = self.layers(&joined, &shared.curves);
         for (hole, layer) in self.holes.iter_mut().zip(layer) {
             hole.layer = layer;
         }
@@ -568,13 +583,13 @@ impl<'a> Builder<'a> {
         pairs
     }
 
-    fn layers(&self, joined: &[(usize, usize)]) -> Vec<u32> {
+    fn layers(&self, joined: &[(usize, usize)], curves: &[Curve]) -> Vec<u32> {
         let mut neighbours = vec![Vec::new(); self.holes.len()];
         for &(a, b) in joined {
             neighbours[a].push(b);
             neighbours[b].push(a);
         }
-        let has_surface: Vec<bool> = self.holes.iter().map(has_surface).collect();
+        let has_surface: Vec<bool> = self.holes.iter().map(|h| has_surface(h, curves)).collect();
         layers(&has_surface, &neighbours)
     }
 
@@ -644,9 +659,13 @@ fn with_area(polygon: Vec<DVec2>) -> (Vec<DVec2>, f64) {
     (polygon, area)
 }
 
-/// True if some original surface bounds the hole: a rim of its own or a neighbour's border.
-fn has_surface(hole: &Hole) -> bool {
-    let over = |span: &Span| matches!(span, Span::Adopted { edges, .. } if !edges.is_empty());
+/// True if some original surface bounds the hole: a rim of its own, a neighbour's border, or a neighbour's surface under
+/// a curve.
+fn has_surface(hole: &Hole, curves: &[Curve]) -> bool {
+    let over = |span: &Span| match span {
+        Span::Adopted { edges, .. } => !edges.is_empty(),
+        Span::Curve(c) => !curves[*c as usize].over.is_empty(),
+    };
     hole.outer.iter().any(|p| match p {
         Piece::Rim(_) => true,
         Piece::Side { spans, .. } => spans.iter().any(over),

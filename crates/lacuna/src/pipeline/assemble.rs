@@ -2,13 +2,14 @@
 
 use super::frames::SeamFacts;
 use super::names::Names;
+use super::outlines::cluster_outline;
 use super::scan::Scanned;
 use super::select::Decision;
 use super::solve::{FilledHole, Fills};
 use crate::config::Settings;
 use crate::report::{
-    CellDrawing, CellStatus, ClusterRecord, Drawing, HoleClass, HoleDrawing, HoleRecord, HoleShape, Outcome,
-    SceneRecord, SeamRecord,
+    CellDrawing, CellStatus, ClusterDrawing, ClusterRecord, Drawing, HoleClass, HoleDrawing, HoleRecord,
+    HoleShape, Outcome, SceneRecord, SeamRecord,
 };
 use glam::DVec2;
 use lacuna_grid::CellId;
@@ -265,5 +266,8 @@ pub(crate) fn drawing(plan: &Plan, scanned: &Scanned, names: &Names, outcomes: &
             outcome: outcomes[h].outcome,
         }
     });
-    Drawing { cells, holes: holes.collect(), ..Drawing::default() }
+    let clusters = plan.clusters.iter().enumerate().filter(|(_, c)| c.holes.len() > 1).map(|(k, cluster)| {
+        ClusterDrawing { id: names.clusters[k].clone(), rings: cluster_outline(plan, scanned, cluster) }
+    });
+    Drawing { cells, holes: holes.collect(), clusters: clusters.collect(), ..Drawing::default() }
 }

@@ -9,6 +9,7 @@ mod info;
 mod manifest;
 mod names;
 mod out_dir;
+mod outlines;
 mod outputs;
 mod preview;
 mod run;

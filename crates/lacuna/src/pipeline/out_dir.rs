@@ -3,6 +3,7 @@
 use super::RunError;
 use super::manifest::{MANIFEST, Manifest};
 use crate::ExitCode;
+use lacuna_tile::is_temporary;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -35,11 +36,27 @@ pub(crate) fn take(scene: &Path, out: &Path, overwrite: bool) -> Result<OutDir, 
     }
     fs::create_dir_all(&own).map_err(|e| io_error("make", &own, &e))?;
     let lock = lock(&own.join(".lock"), out)?;
+    remove_temporaries(out)?;
     let mut earlier = Manifest::read(&own.join(MANIFEST))?;
     if overwrite && let Some(manifest) = earlier.take() {
         manifest.delete_listed(out)?;
     }
     Ok(OutDir { root: out.to_owned(), own, earlier, _lock: lock })
+}
+
+/// Unfinished files of a run that was killed.
+fn remove_temporaries(folder: &Path) -> Result<(), RunError> {
+    let entries = fs::read_dir(folder).map_err(|e| io_error("read", folder, &e))?;
+    for entry in entries.flatten() {
+        let path = entry.path();
+        let kind = entry.file_type().map_err(|e| io_error("read", &path, &e))?;
+        if kind.is_dir() {
+            remove_temporaries(&path)?;
+        } else if kind.is_file() && is_temporary(&entry.file_name()) {
+            fs::remove_file(&path).map_err(|e| io_error("delete", &path, &e))?;
+        }
+    }
+    Ok(())
 }
 
 /// An error of an operation on a path.
