@@ -44,8 +44,8 @@ fn border_side(survey: &CellSurvey, domain: &Domain, fit: &BorderFit, edge: u32)
         .min_by(|x, y| far(*x).total_cmp(&far(*y)))
 }
 
-/// Rim runs near to the line between border runs become border if they are shorter than three edges; on one side also if
-/// they begin and end so close together that the gap counts as covered.
+/// Rim runs between border runs become border if they never leave the line, or if they stay near to it and are shorter
+/// than three edges, or begin and end so close together (on one side) that the gap counts as covered.
 fn absorb(survey: &CellSurvey, domain: &Domain, fit: &BorderFit, edges: &[u32], labels: &mut [Label]) {
     let n = edges.len();
     let Some(first) = edges.iter().position(|&e| matches!(labels[e as usize], Label::Border(_))) else {
@@ -81,13 +81,14 @@ fn is_noise(
     [before, after]: [Side; 2],
 ) -> bool {
     let off = |e: u32, side: Side| domain.outside_m(side, survey.to(e).truncate()).abs();
-    let is_near = run.iter().all(|&e| off(e, before).min(off(e, after)) <= fit.absorb_m);
+    let farthest = run.iter().map(|&e| off(e, before).min(off(e, after))).fold(0.0, f64::max);
     let length: f64 = run.iter().map(|&e| survey.from(e).distance(survey.to(e))).sum();
     let is_short = length < 3.0 * fit.edge_m.max(survey.median_edge_m);
     let (Some(&first), Some(&last)) = (run.first(), run.last()) else { return false };
     let [start, end] = [survey.from(first), survey.to(last)].map(|p| before.along(p.truncate()));
     let is_narrow = before == after && (end - start).abs() <= fit.gap_m;
-    is_near && (is_short || is_narrow)
+    // Teeth across the line are no rim however many there are.
+    farthest <= fit.tolerance_m || farthest <= fit.absorb_m && (is_short || is_narrow)
 }
 
 /// Of two sides the one that an edge's ends are nearer to; the first if equally near.
