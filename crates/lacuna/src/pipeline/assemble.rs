@@ -91,9 +91,8 @@ pub(crate) fn hole_records(
             let is_filled = outcome.outcome == Outcome::Filled;
             let fill = fills.get(&(h as u32)).and_then(|f| f.as_ref().ok()).filter(|_| is_filled);
             let new_vertices = |f: &FilledHole| {
-                let copies =
-                    f.contour.sources.iter().filter(|s| matches!(s, lacuna_close::Source::New)).count();
-                (copies + f.filled.patch.vertices.len()) as u64
+                let copies = f.sources.iter().filter(|s| matches!(s, lacuna_close::Source::New)).count();
+                (copies + f.patch.vertices.len()) as u64
             };
             HoleRecord {
                 id: names.holes[h].id.clone(),
@@ -109,11 +108,11 @@ pub(crate) fn hole_records(
                 outcome: outcome.outcome,
                 reason: outcome.reason.clone(),
                 method: fill.map(|_| method.to_owned()),
-                filler: fill.map(|f| f.filled.filler.to_string()),
+                filler: fill.map(|f| f.filler.to_string()),
                 patch_vertices: fill.map_or(0, new_vertices),
-                patch_triangles: fill.map_or(0, |f| f.filled.patch.triangles.len() as u64),
-                quality_mean: fill.map(|f| f.filled.quality.mean),
-                quality_share_good: fill.map(|f| f.filled.quality.share_good),
+                patch_triangles: fill.map_or(0, |f| f.patch.triangles.len() as u64),
+                quality_mean: fill.map(|f| f.quality.mean),
+                quality_share_good: fill.map(|f| f.quality.share_good),
             }
         })
         .collect()

@@ -41,7 +41,7 @@ impl<'a> Context<'a> {
         let limit = settings.run.memory_limit_bytes;
         let left = limit.saturating_sub(BASE_BYTES);
         if left == 0 {
-            return Err(RunError::memory_too_small("(any)", 1 << 20, left));
+            return Err(RunError::memory_too_small("the program itself", 0, 0, BASE_BYTES + (1 << 20)));
         }
         Ok(Self {
             settings,
@@ -59,6 +59,19 @@ impl<'a> Context<'a> {
                 ..ReadOptions::default()
             },
         })
+    }
+
+    /// What the limit leaves beside what is in memory now and `kept_bytes` that a stage will keep.
+    pub(crate) fn budget_beside(&self, kept_bytes: u64) -> MemoryBudget {
+        lacuna_system::trim();
+        let resident = lacuna_system::current_rss_bytes().unwrap_or(BASE_BYTES).max(BASE_BYTES);
+        MemoryBudget::new(self.settings.run.memory_limit_bytes.saturating_sub(resident + kept_bytes))
+    }
+
+    /// The error for a job that a stage's budget does not hold, with the limit that would.
+    pub(crate) fn memory_too_small(&self, what: &str, needed_bytes: u64, left_bytes: u64) -> RunError {
+        let taken = self.settings.run.memory_limit_bytes.saturating_sub(left_bytes);
+        RunError::memory_too_small(what, needed_bytes, left_bytes, taken + needed_bytes)
     }
 
     /// An error if the user asked to stop.

@@ -25,15 +25,15 @@ impl RunError {
         Self { exit: ExitCode::InputOutput, message: message.into() }
     }
 
-    /// The limit does not hold the named tile.
-    pub(crate) fn memory_too_small(tile: &str, needed_bytes: u64, limit_bytes: u64) -> Self {
+    /// The limit does not hold what is named: a tile, or the holes of a cell.
+    pub(crate) fn memory_too_small(what: &str, needed_bytes: u64, left_bytes: u64, least_bytes: u64) -> Self {
         let mebibytes = |bytes: u64| bytes.div_ceil(1 << 20);
         let message = format!(
-            "tile {} needs about {} MiB, but the memory limit leaves {} MiB for tiles; give at least --memory {}MiB",
-            tile.escape_debug(),
+            "{} needs about {} MiB, but the memory limit leaves {} MiB; give at least --memory {}MiB",
+            what.escape_debug(),
             mebibytes(needed_bytes),
-            mebibytes(limit_bytes),
-            mebibytes(needed_bytes + super::context::BASE_BYTES),
+            mebibytes(left_bytes),
+            mebibytes(least_bytes),
         );
         Self { exit: ExitCode::MemoryTooSmall, message }
     }

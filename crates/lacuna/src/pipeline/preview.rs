@@ -34,9 +34,9 @@ pub(crate) fn scene_rasters(
     let mut after = before.clone();
     for hole in written {
         let Some(Ok(fill)) = fills.get(hole) else { continue };
-        let mut positions = fill.contour.contour.positions();
-        positions.extend(&fill.filled.patch.vertices);
-        after.add_triangles(&positions, &fill.filled.patch.triangles);
+        let mut positions = fill.rim.clone();
+        positions.extend(&fill.patch.vertices);
+        after.add_triangles(&positions, &fill.patch.triangles);
     }
     (before, after)
 }

@@ -71,7 +71,11 @@ pub(crate) fn scan(scene: &Scene, context: &Context<'_>) -> Result<Scanned, RunE
     let work = |k: usize| scan_group(scene, &scene.groups[k], context);
     let done = |k: usize| context.progress.advance(bytes(&scene.groups[k]));
     let results = context.pool.run(&jobs, &context.budget, &context.stop, work, done).map_err(|e| {
-        RunError::memory_too_small(&scene.groups[e.index].name, e.needed_bytes, e.limit_bytes)
+        context.memory_too_small(
+            &format!("tile {}", scene.groups[e.index].name),
+            e.needed_bytes,
+            e.limit_bytes,
+        )
     })?;
     context.check_stop()?;
     collect(scene, results, context)

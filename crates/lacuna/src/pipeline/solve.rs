@@ -5,21 +5,26 @@ use super::context::{Context, StageKind};
 use super::frames::Frames;
 use crate::config::{ClosedFiller, FillSettings, OpenFiller};
 use glam::DVec3;
-use lacuna_close::{CellContour, Curves, LayeredOptions, contour, project};
-use lacuna_fill::{FillError, FillParams, Filled, FillerChoice, HeightRule, fill};
+use lacuna_close::{CellContour, Curves, LayeredOptions, Source, contour, project};
+use lacuna_fill::{FillError, FillParams, Filled, Filler, FillerChoice, HeightRule, fill};
 use lacuna_grid::CellId;
 use lacuna_hole::{CurveKind, HoleClass, Plan, Surveys};
-use lacuna_mesh::{PlanView, check_patch};
+use lacuna_mesh::{Patch, PlanView, QualityStats, check_patch};
 use lacuna_schedule::{Job, JobResult};
 use lacuna_seam::{SeamVertex, SmoothParams, buffer_m, smooth};
 use lacuna_solve::FaerSolver;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A hole's contour and patch.
+/// A hole's patch, and what its writer and its seams need of the contour.
 #[derive(Clone, Debug)]
 pub(crate) struct FilledHole {
-    pub(crate) contour: CellContour,
-    pub(crate) filled: Filled,
+    /// Positions of the contour's vertices, in its numbering.
+    pub(crate) rim: Vec<DVec3>,
+    /// Where each of them comes from.
+    pub(crate) sources: Vec<Source>,
+    pub(crate) patch: Patch,
+    pub(crate) filler: Filler,
+    pub(crate) quality: QualityStats,
 }
 
 /// Why a hole has no patch.
@@ -93,11 +98,13 @@ impl HoleFiller<'_> {
         let holes: Vec<u32> = holes.iter().copied().collect();
         let jobs: Vec<Job> = holes.iter().map(|&h| self.job(h)).collect();
         let context = self.context;
+        let kept: u64 = holes.iter().map(|&h| self.patch_bytes(h)).sum();
+        let budget = context.budget_beside(kept);
         let results = context
             .pool
             .run(
                 &jobs,
-                &context.budget,
+                &budget,
                 &context.stop,
                 |k| self.fill_one(holes[k], curves),
                 |_| {
@@ -106,7 +113,7 @@ impl HoleFiller<'_> {
             )
             .map_err(|e| {
                 let cell = self.plan.holes[holes[e.index] as usize].cell;
-                RunError::memory_too_small(&format!("of {cell}"), e.needed_bytes, e.limit_bytes)
+                context.memory_too_small(&cell.to_string(), e.needed_bytes, e.limit_bytes)
             })?;
         context.check_stop()?;
         let outcome = |result| match result {
@@ -119,14 +126,23 @@ impl HoleFiller<'_> {
         Ok(holes.into_iter().zip(results.into_iter().map(outcome)).collect())
     }
 
-    /// Memory of one fill: about 1.6 kB an unknown (measured for the sparse solve), the triangulation included.
+    /// Memory of one fill: 1.6 kB an unknown of the sparse solve, the triangulation included.
     fn job(&self, hole: u32) -> Job {
+        Job { key: u64::from(hole), bytes: (1600.0 * self.unknowns(hole)) as u64 + (1 << 20) }
+    }
+
+    /// What stays of a patch: two triangles a vertex.
+    fn patch_bytes(&self, hole: u32) -> u64 {
+        (48.0 * self.unknowns(hole)) as u64
+    }
+
+    /// New vertices that a hole will need, from its area and its rim's density.
+    fn unknowns(&self, hole: u32) -> f64 {
         let record = &self.plan.holes[hole as usize];
         let settings = (self.settings_of)(hole);
         let edge_m = settings.spacing_m.unwrap_or_else(|| self.plan.fit.edge_m.max(1e-3));
         let rim = f64::from(record.rim_vertices) + record.perimeter_m / edge_m;
-        let unknowns = 2.5 * record.area_m2.max(0.0) / (edge_m * edge_m) + 4.0 * rim;
-        Job { key: u64::from(hole), bytes: (1600.0 * unknowns) as u64 + (1 << 20) }
+        1.2 * record.area_m2.max(0.0) / (edge_m * edge_m) + 4.0 * rim
     }
 
     fn fill_one(&self, hole: u32, curves: &Curves) -> Result<FilledHole, NotFilled> {
@@ -137,7 +153,13 @@ impl HoleFiller<'_> {
         let solver = FaerSolver::default();
         let mut filled = fill(&contour.contour, &params, &solver).map_err(|e| refused(&e))?;
         self.round(record.cell, &contour, &mut filled)?;
-        Ok(FilledHole { contour, filled })
+        Ok(FilledHole {
+            rim: contour.contour.positions(),
+            sources: contour.sources,
+            patch: filled.patch,
+            filler: filled.filler,
+            quality: filled.quality,
+        })
     }
 
     /// Rounds new vertices to what the tile stores, and checks the patch as it will be read again.
@@ -207,7 +229,7 @@ fn smooth_seams(plan: &Plan, curves: &mut Curves, fills: &Fills) -> Vec<u32> {
                 && along <= curve.high_m + reach
         };
         let strips: Vec<DVec3> =
-            patches.iter().flat_map(|f| f.filled.patch.vertices.iter()).filter(near).copied().collect();
+            patches.iter().flat_map(|f| f.patch.vertices.iter()).filter(near).copied().collect();
         match smooth(&mut border, &strips, reach, &params) {
             Ok(outcome) if outcome.rounds > 0 => {
                 inner.iter_mut().zip(&border).for_each(|(p, v)| p.z = v.z);

@@ -15,8 +15,8 @@ use lacuna_hole::Plan;
 use lacuna_mesh::VertexId;
 use lacuna_schedule::{Job, JobResult};
 use lacuna_tile::{
-    AppendRequest, CopyMode, Corner, Hashing, HolePatch, NewTileRequest, Scene, TileError, append_patches,
-    copy_file, new_tile, output_path,
+    AppendRequest, CopyMode, Corner, Hashing, HolePatch, NewTileRequest, Scene, TileEntry, TileError,
+    append_patches, copy_file, new_tile, output_path,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -46,11 +46,11 @@ pub(crate) struct WrittenFiles {
 /// One file to write.
 enum Task {
     /// A file of the scene with patches behind it.
-    Append { cell: CellId, part: Part, patches: Vec<HolePatch> },
+    Append { cell: CellId, part: Part, holes: Vec<u32> },
     /// A tile for a cell that has none.
-    New { cell: CellId, template: usize, relative: String, patches: Vec<HolePatch> },
+    New { cell: CellId, template: usize, relative: String, holes: Vec<u32> },
     /// A file as it is.
-    Copy { relative: String },
+    Copy { relative: String, bytes: u64 },
 }
 
 /// Writes all files. An input/output error ends the run; a tile that can't take its patches is named, so that its
@@ -72,7 +72,7 @@ pub(crate) fn write(input: &WriteInput<'_>, context: &Context<'_>) -> Result<Wri
                 context.progress.advance(file_bytes(input, &tasks[k]));
             },
         )
-        .map_err(|e| RunError::memory_too_small("to write", e.needed_bytes, e.limit_bytes))?;
+        .map_err(|e| context.memory_too_small("writing the largest tile", e.needed_bytes, e.limit_bytes))?;
     context.check_stop()?;
     let mut written = WrittenFiles::default();
     for (task, result) in tasks.iter().zip(results) {
@@ -110,20 +110,19 @@ fn tasks(input: &WriteInput<'_>, untouched: Untouched) -> Vec<Task> {
     for (cell, holes) in holes_by_cell(input) {
         match input.tiles.get(&cell) {
             Some(tile) => {
-                for (part, patches) in patches_of_tile(input, tile, &holes) {
+                for (part, holes) in holes_by_part(input, tile, &holes) {
                     patched.insert(part.tile);
-                    tasks.push(Task::Append { cell, part, patches });
+                    tasks.push(Task::Append { cell, part, holes });
                 }
             }
             None => {
                 let Some((template, relative)) = input.hollow.get(&cell) else { continue };
                 let Some(template) = input.tiles.get(template) else { continue };
-                let patches = holes.iter().filter_map(|&h| hole_patch(input, h, None)).collect();
                 tasks.push(Task::New {
                     cell,
                     template: template.parts[0].tile,
                     relative: relative.clone(),
-                    patches,
+                    holes,
                 });
             }
         }
@@ -131,10 +130,12 @@ fn tasks(input: &WriteInput<'_>, untouched: Untouched) -> Vec<Task> {
     if untouched == Untouched::Omit {
         return tasks;
     }
-    let others = (0..input.scene.tiles.len()).filter(|k| !patched.contains(k));
-    let tiles = others.map(|k| input.scene.tiles[k].relative.clone());
-    let files = tiles.chain(input.scene.side_files.iter().cloned());
-    tasks.extend(files.map(|relative| Task::Copy { relative }));
+    let others = (0..input.scene.tiles.len()).filter(|k| !patched.contains(k)).map(|k| &input.scene.tiles[k]);
+    let bytes = |tile: &TileEntry| tile.header.as_ref().map_or(0, |h| h.bytes);
+    let tiles = others.map(|t| Task::Copy { relative: t.relative.clone(), bytes: bytes(t) });
+    let side_files =
+        input.scene.side_files.iter().map(|relative| Task::Copy { relative: relative.clone(), bytes: 0 });
+    tasks.extend(tiles.chain(side_files));
     tasks
 }
 
@@ -146,22 +147,20 @@ fn holes_by_cell(input: &WriteInput<'_>) -> BTreeMap<CellId, Vec<u32>> {
     by_cell
 }
 
-/// The patches of a tile, each in the file that holds most of its rim.
-fn patches_of_tile(input: &WriteInput<'_>, tile: &CellTile, holes: &[u32]) -> Vec<(Part, Vec<HolePatch>)> {
-    let mut by_part: BTreeMap<usize, Vec<HolePatch>> = BTreeMap::new();
+/// The holes of a tile, each in the file that holds most of its rim.
+fn holes_by_part(input: &WriteInput<'_>, tile: &CellTile, holes: &[u32]) -> Vec<(Part, Vec<u32>)> {
+    let mut by_part: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
     for &h in holes {
-        let Some(Ok(filled)) = input.fills.get(&h) else { continue };
-        let part = main_part(tile, filled);
-        if let Some(patch) = hole_patch(input, h, Some(&tile.parts[part])) {
-            by_part.entry(part).or_default().push(patch);
+        if let Some(Ok(filled)) = input.fills.get(&h) {
+            by_part.entry(main_part(tile, filled)).or_default().push(h);
         }
     }
-    by_part.into_iter().map(|(k, patches)| (tile.parts[k].clone(), patches)).collect()
+    by_part.into_iter().map(|(k, holes)| (tile.parts[k].clone(), holes)).collect()
 }
 
 fn main_part(tile: &CellTile, filled: &FilledHole) -> usize {
     let count = |part: &Part| {
-        filled.contour.sources.iter().filter(|s| matches!(s, Source::Original(v) if holds(part, *v))).count()
+        filled.sources.iter().filter(|s| matches!(s, Source::Original(v) if holds(part, *v))).count()
     };
     let counts: Vec<usize> = tile.parts.iter().map(count).collect();
     (0..counts.len()).rev().max_by_key(|&k| counts[k]).unwrap_or(0)
@@ -174,11 +173,10 @@ fn holds(part: &Part, vertex: VertexId) -> bool {
 /// The patch of a hole as the writer wants it: rim vertices by number where they stand in this file, copies of all others.
 fn hole_patch(input: &WriteInput<'_>, hole: u32, part: Option<&Part>) -> Option<HolePatch> {
     let record = &input.plan.holes[hole as usize];
-    let FilledHole { contour, filled } = input.fills.get(&hole)?.as_ref().ok()?;
-    let positions = contour.contour.positions();
+    let filled = input.fills.get(&hole)?.as_ref().ok()?;
     let mut vertices: Vec<DVec3> = Vec::new();
-    let mut corners: Vec<Corner> = Vec::with_capacity(positions.len());
-    for (position, source) in positions.iter().zip(&contour.sources) {
+    let mut corners: Vec<Corner> = Vec::with_capacity(filled.rim.len());
+    for (position, source) in filled.rim.iter().zip(&filled.sources) {
         let own = match (source, part) {
             (Source::Original(v), Some(part)) if holds(part, *v) => Some(VertexId(v.0 - part.first_vertex)),
             _ => None,
@@ -210,16 +208,16 @@ fn hole_patch(input: &WriteInput<'_>, hole: u32, part: Option<&Part>) -> Option<
 }
 
 fn file_bytes(input: &WriteInput<'_>, task: &Task) -> u64 {
-    let patch_bytes = |patches: &[HolePatch]| -> u64 {
-        patches.iter().map(|p| 24 * p.vertices.len() as u64 + 16 * p.triangles.len() as u64).sum()
+    let patch_bytes = |holes: &[u32]| -> u64 {
+        let patches = holes.iter().filter_map(|h| input.fills.get(h)?.as_ref().ok());
+        patches
+            .map(|f| 24 * (f.rim.len() + f.patch.vertices.len()) + 16 * f.patch.triangles.len())
+            .sum::<usize>() as u64
     };
     match task {
-        Task::Append { part, patches, .. } => part.bytes + patch_bytes(patches),
-        Task::New { patches, .. } => patch_bytes(patches),
-        Task::Copy { relative } => {
-            let tile = input.scene.tiles.iter().find(|t| t.relative == *relative);
-            tile.and_then(|t| t.header.as_ref().ok()).map_or(0, |h| h.bytes)
-        }
+        Task::Append { part, holes, .. } => part.bytes + patch_bytes(holes),
+        Task::New { holes, .. } => patch_bytes(holes),
+        Task::Copy { bytes, .. } => *bytes,
     }
 }
 
@@ -233,8 +231,10 @@ fn task_bytes(input: &WriteInput<'_>, task: &Task) -> u64 {
 
 fn perform(input: &WriteInput<'_>, task: &Task, context: &Context<'_>) -> Result<Vec<OutputFile>, TileError> {
     match task {
-        Task::Append { part, patches, .. } => {
+        Task::Append { part, holes, .. } => {
             let entry = &input.scene.tiles[part.tile];
+            let patches: Vec<HolePatch> =
+                holes.iter().filter_map(|&h| hole_patch(input, h, Some(part))).collect();
             let output = place(input, &entry.relative)?;
             let written = append_patches(&AppendRequest {
                 input: &input.scene.path(entry),
@@ -242,23 +242,24 @@ fn perform(input: &WriteInput<'_>, task: &Task, context: &Context<'_>) -> Result
                 format: entry.format,
                 options: &context.read_options,
                 expected_hash: Some(part.hash),
-                patches,
+                patches: &patches,
             })?;
             listed(&entry.relative, &output, &written)
         }
-        Task::New { template, relative, patches, .. } => {
+        Task::New { template, relative, holes, .. } => {
             let entry = &input.scene.tiles[*template];
+            let patches: Vec<HolePatch> = holes.iter().filter_map(|&h| hole_patch(input, h, None)).collect();
             let output = place(input, relative)?;
             let written = new_tile(&NewTileRequest {
                 template: &input.scene.path(entry),
                 output: &output,
                 format: entry.format,
                 options: &context.read_options,
-                patches,
+                patches: &patches,
             })?;
             listed(relative, &output, &written)
         }
-        Task::Copy { relative } => {
+        Task::Copy { relative, .. } => {
             let output = place(input, relative)?;
             let mode = match context.settings.scene.untouched {
                 Untouched::Reflink => CopyMode::Reflink,
