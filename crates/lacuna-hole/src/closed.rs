@@ -84,10 +84,16 @@ pub(crate) fn loop_polygon(survey: &CellSurvey, l: &LoopSurvey) -> Vec<DVec2> {
     l.edges.iter().map(|&e| survey.from(e).truncate()).collect()
 }
 
-/// The smallest polygon (by area) that holds the first vertex of `island` strictly inside.
+/// The smallest polygon (by area) that `island` lies in. It may touch the polygon in vertices: the first of its vertices
+/// and edge middles that is not on the polygon decides.
 pub(crate) fn smallest_around(polygons: &[(Vec<DVec2>, f64)], island: &[DVec2]) -> Option<usize> {
-    let point = *island.first()?;
+    let middles = (0..island.len()).map(|k| (island[k] + island[(k + 1) % island.len()]) / 2.0);
+    let places: Vec<DVec2> = island.iter().copied().chain(middles).collect();
+    let is_around = |polygon: &[DVec2]| {
+        let decided = places.iter().map(|&p| contains(polygon, p)).find(|l| *l != Location::OnEdge);
+        decided == Some(Location::Inside)
+    };
     (0..polygons.len())
-        .filter(|&k| contains(&polygons[k].0, point) == Location::Inside)
+        .filter(|&k| is_around(&polygons[k].0))
         .min_by(|&a, &b| polygons[a].1.total_cmp(&polygons[b].1).then(a.cmp(&b)))
 }

@@ -84,6 +84,11 @@ fn closed() {
             &["1,1 closed L1 #0 20 +1", "1,1 closed L1 #1 3"],
         ),
         case(
+            "with an island that hangs on its rim by a vertex",
+            vec![cut(9.0, 9.0, 15.0, 15.0), keep(9.0, 9.0, 11.0, 11.0), keep(11.0, 11.0, 14.0, 13.0)],
+            &["1,1 closed L1 #0 26 +1"],
+        ),
+        case(
             "of one triangle",
             vec![Step::CutDisc(10.0 + 1.0 / 3.0, 10.0 + 2.0 / 3.0, 0.1)],
             &["1,1 closed L1 #0 0.5"],
