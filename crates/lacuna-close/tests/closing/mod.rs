@@ -5,7 +5,7 @@ use crate::kit::{Planned, Scene};
 use glam::{DVec2, DVec3};
 use lacuna_close::{CellContour, Curves, LayeredOptions, Source, contour, project};
 use lacuna_grid::CellId;
-use lacuna_hole::{Anchor, CellSurvey, Hole, Piece, Span};
+use lacuna_hole::{Anchor, BorderMode, CellSurvey, Hole, Piece, Span};
 use lacuna_mesh::{Contour, ContourRing, EdgeKind, find_crossings, position_bits, signed_area};
 use std::collections::BTreeMap;
 
@@ -171,6 +171,12 @@ impl Closing<'_> {
     /// Tiles and patches together have every edge as often in one direction as in the other, but on the area's edge and
     /// round what is no hole.
     fn check_watertight(&self, what: &str) {
+        let open = self.open_edges();
+        assert!(open.is_empty(), "{what}: {} open edges, such as {:?}", open.len(), open.first());
+    }
+
+    /// Edges that run more often in one direction than in the other, without those on the area's edge.
+    pub(crate) fn open_edges(&self) -> Vec<[DVec3; 2]> {
         let mut balance: BTreeMap<Edge, i64> = BTreeMap::new();
         let mut add = |[a, b]: Edge, by: i64| {
             let (key, sign) = if a < b { ([a, b], by) } else { ([b, a], -by) };
@@ -188,13 +194,12 @@ impl Closing<'_> {
         for e in self.left_alone() {
             add(e, 1);
         }
-        let open: Vec<[DVec3; 2]> = balance
+        balance
             .into_iter()
             .filter(|(_, n)| *n != 0)
             .map(|(e, _)| e.map(|p| DVec3::from_array(p.map(f64::from_bits))))
             .filter(|[a, b]| !self.is_outside_edge(a.truncate(), b.truncate()))
-            .collect();
-        assert!(open.is_empty(), "{what}: {} open edges, such as {:?}", open.len(), open.first());
+            .collect()
     }
 
     /// Edges of loops that no hole names and that run round a small loose piece.
@@ -241,11 +246,13 @@ impl Closing<'_> {
     }
 
     fn is_outside_edge(&self, a: DVec2, b: DVec2) -> bool {
+        let fit = &self.planned.plan.fit;
+        let slack_m = if fit.mode == BorderMode::Ragged { fit.absorb_m } else { 1e-9 };
         let domains = self.planned.plan.domains.values();
         domains.into_iter().any(|d| {
             d.sides.iter().any(|s| {
                 s.label == lacuna_grid::SideLabel::External
-                    && [a, b].iter().all(|p| d.outside_m(s.side, *p).abs() < 1e-9)
+                    && [a, b].iter().all(|p| d.outside_m(s.side, *p).abs() < slack_m)
             })
         })
     }
