@@ -12,6 +12,9 @@ use std::time::Instant;
 /// What the program itself takes beside the tiles in work, bytes: code, plan, allocator slack.
 pub(crate) const BASE_BYTES: u64 = 24 << 20;
 
+/// What the memory in use may differ by from run to run, bytes.
+const SLACK_BYTES: u64 = 8 << 20;
+
 /// The stages that show progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StageKind {
@@ -71,7 +74,7 @@ impl<'a> Context<'a> {
     /// The error for a job that a stage's budget does not hold, with the limit that would.
     pub(crate) fn memory_too_small(&self, what: &str, needed_bytes: u64, left_bytes: u64) -> RunError {
         let taken = self.settings.run.memory_limit_bytes.saturating_sub(left_bytes);
-        RunError::memory_too_small(what, needed_bytes, left_bytes, taken + needed_bytes)
+        RunError::memory_too_small(what, needed_bytes, left_bytes, taken + needed_bytes + SLACK_BYTES)
     }
 
     /// An error if the user asked to stop.

@@ -25,7 +25,7 @@ pub(super) struct Files {
 
 impl Files {
     /// Hashes the files of a scene (tiles and side files as its reader lists them) and of OUT.
-    pub(super) fn read(scene: &lacuna_tile::Scene, out: &Path, work: &Work) -> Result<Self, RunError> {
+    pub(super) fn read(scene: &lacuna_tile::Scene, out: &Path, work: &Work<'_>) -> Result<Self, RunError> {
         let tiles = scene.tiles.iter().map(|tile| tile.relative.clone());
         let listed: BTreeSet<String> = tiles.chain(scene.side_files.iter().cloned()).collect();
         Ok(Self {
@@ -71,7 +71,7 @@ fn list_into(
     Ok(())
 }
 
-fn hash_all(root: &Path, names: Vec<String>, work: &Work) -> Result<BTreeMap<String, FileFacts>, RunError> {
+fn hash_all(root: &Path, names: Vec<String>, work: &Work<'_>) -> Result<BTreeMap<String, FileFacts>, RunError> {
     let hashed = work.each(names.len(), |_| 1 << 20, |k| hash_file(&root.join(&names[k])))?;
     names.into_iter().zip(hashed).map(|(name, facts)| Ok((name, facts?))).collect()
 }
