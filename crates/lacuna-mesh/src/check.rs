@@ -1,5 +1,7 @@
 //! What every patch must be.
 
+mod surface;
+
 use crate::polygon::side_of_line;
 use crate::{Contour, Patch};
 use glam::DVec3;
@@ -115,12 +117,30 @@ pub enum PatchDefect {
         /// Larger vertex.
         to: u32,
     },
-    /// Not a disk with one hole for each island.
-    #[error("the patch has Euler number {found}, but a disk with these islands has {expected}")]
+    /// Triangles that meet in a vertex without sharing edges there.
+    #[error("the triangles at vertex {vertex} form {fans} fans, but the contour passes it {expected} times")]
+    Pinched {
+        /// Which vertex; the first one of its place.
+        vertex: u32,
+        /// Groups of triangles that share edges at the vertex.
+        fans: usize,
+        /// Contour vertices at the place; 1 for a new vertex.
+        expected: usize,
+    },
+    /// A part of the patch that shares no vertex with the rest.
+    #[error("triangle {triangle} belongs to a part of the patch that shares no vertex with the rest")]
+    Separate {
+        /// The part's first triangle.
+        triangle: usize,
+    },
+    /// A patch with a handle: no disk, or disks that hang together at touching vertices, with one hole for each island.
+    #[error(
+        "the patch has Euler number {found}, but a surface without handles over these rings has {expected}"
+    )]
     EulerNumber {
-        /// V - E + F of the patch.
+        /// V - E + F, a place counted once for each fan of triangles there.
         found: i64,
-        /// 1 - number of islands.
+        /// 1 + parts of the patch - parts of the contour.
         expected: i64,
     },
 }
@@ -128,7 +148,13 @@ pub enum PatchDefect {
 /// Checks that `patch` closes `contour`: in this order, (1) all positions finite, indices in range, every vertex used;
 /// (2) no flat triangle, none turned over in plan (if judged, exact), no two with the same corners; (3) each contour
 /// edge used once in the contour's direction, each other edge once in either direction, none of them forbidden;
-/// (4) V - E + F = 1 - number of islands.
+/// (4) as many fans of triangles at a place as contour vertices, one part, no handle.
+///
+/// Contour vertices at one place are one vertex: where rings touch, or a ring touches itself, triangles may name any of
+/// them, and an edge between two places is one edge whatever names its ends have. The patch may there fall into parts
+/// that hang together by such vertices only. Cut open at them, a patch without handles has
+/// `V - E + F = 1 + parts of the patch - parts of the contour`, where rings that touch are one part of the contour;
+/// without touching rings this is 1 - number of islands.
 ///
 /// # Errors
 /// The first defect found, in the order above and by lowest number within each.
@@ -137,19 +163,26 @@ pub enum PatchDefect {
 pub fn check_patch(contour: &Contour, patch: &Patch, plan: PlanView) -> Result<PatchFacts, PatchDefect> {
     let mut positions = contour.positions();
     positions.extend_from_slice(&patch.vertices);
-    check_indices(&positions, &patch.triangles)?;
+    let mut first_at_place = contour.first_at_place();
+    first_at_place.extend(first_at_place.len() as u32..positions.len() as u32);
+    check_indices(&positions, &first_at_place, &patch.triangles)?;
     for (t, triangle) in patch.triangles.iter().enumerate() {
         check_shape(t, triangle.map(|v| positions[v as usize]), plan)?;
     }
-    check_duplicates(&patch.triangles)?;
-    let edges = check_edges(contour, &patch.triangles)?;
-    let (vertices, triangles) = (positions.len(), patch.triangles.len());
-    check_euler(contour, vertices, edges, triangles)?;
+    let triangles: Vec<[u32; 3]> =
+        patch.triangles.iter().map(|t| t.map(|v| first_at_place[v as usize])).collect();
+    check_duplicates(&triangles)?;
+    let edges = check_edges(contour, &first_at_place, &triangles)?;
+    surface::check_surface(contour, &first_at_place, &triangles, &edges)?;
     let area_m2 = patch.triangles.iter().map(|t| area(t.map(|v| positions[v as usize]))).sum();
-    Ok(PatchFacts { vertices, edges, triangles, area_m2 })
+    Ok(PatchFacts { vertices: positions.len(), edges: edges.count, triangles: triangles.len(), area_m2 })
 }
 
-fn check_indices(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), PatchDefect> {
+fn check_indices(
+    positions: &[DVec3],
+    first_at_place: &[u32],
+    triangles: &[[u32; 3]],
+) -> Result<(), PatchDefect> {
     if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
         return Err(PatchDefect::NotFinite { vertex: vertex as u32 });
     }
@@ -157,11 +190,15 @@ fn check_indices(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), Patc
     let mut is_used = vec![false; count];
     for (triangle, corners) in triangles.iter().enumerate() {
         for &vertex in corners {
-            *is_used.get_mut(vertex as usize).ok_or(PatchDefect::OutOfRange { triangle, vertex, count })? =
-                true;
+            let place = *first_at_place.get(vertex as usize).ok_or(PatchDefect::OutOfRange {
+                triangle,
+                vertex,
+                count,
+            })?;
+            is_used[place as usize] = true;
         }
     }
-    match is_used.iter().position(|used| !used) {
+    match first_at_place.iter().position(|&place| !is_used[place as usize]) {
         Some(vertex) => Err(PatchDefect::Unused { vertex: vertex as u32 }),
         None => Ok(()),
     }
@@ -203,6 +240,8 @@ struct EdgeUse {
     low: u32,
     high: u32,
     user: User,
+    /// `3 t + k` for the edge from corner `k` of triangle `t`; the place on the contour for a contour edge.
+    half_edge: u32,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -214,43 +253,72 @@ enum User {
 }
 
 impl EdgeUse {
-    fn new(from: u32, to: u32, up: User, down: User) -> Self {
+    fn new(from: u32, to: u32, [up, down]: [User; 2], half_edge: u32) -> Self {
         let user = if from < to { up } else { down };
-        Self { low: from.min(to), high: from.max(to), user }
+        Self { low: from.min(to), high: from.max(to), user, half_edge }
     }
 }
 
-/// Checks every edge and returns their number.
-fn check_edges(contour: &Contour, triangles: &[[u32; 3]]) -> Result<usize, PatchDefect> {
-    let mut uses = contour_uses(contour);
-    for &[a, b, c] in triangles {
-        let sides = [(a, b), (b, c), (c, a)];
-        uses.extend(sides.map(|(from, to)| EdgeUse::new(from, to, User::TriangleUp, User::TriangleDown)));
+/// The edges of a patch whose edges are sound.
+struct Edges {
+    /// Undirected edges.
+    count: usize,
+    /// The two half-edges (`3 t + k`) of each inner edge.
+    joined: Vec<[u32; 2]>,
+}
+
+/// Checks every edge.
+fn check_edges(
+    contour: &Contour,
+    first_at_place: &[u32],
+    triangles: &[[u32; 3]],
+) -> Result<Edges, PatchDefect> {
+    let mut uses: Vec<EdgeUse> = contour_edges(contour, first_at_place)
+        .zip(0..)
+        .map(|([from, to], k)| EdgeUse::new(from, to, [User::ContourUp, User::ContourDown], k))
+        .collect();
+    for (&[a, b, c], t) in triangles.iter().zip(0u32..) {
+        let users = [User::TriangleUp, User::TriangleDown];
+        let sides = [(a, b, 3 * t), (b, c, 3 * t + 1), (c, a, 3 * t + 2)];
+        uses.extend(sides.map(|(from, to, half_edge)| EdgeUse::new(from, to, users, half_edge)));
     }
     uses.sort_unstable();
-    let mut edges = 0;
+    let forbidden = forbidden_places(contour, first_at_place);
+    let mut edges = Edges { count: 0, joined: vec![] };
     for edge in uses.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high)) {
-        check_edge(contour, edge)?;
-        edges += 1;
+        check_edge(&forbidden, edge)?;
+        edges.count += 1;
+        if let [EdgeUse { user: User::TriangleUp, half_edge: up, .. }, down] = edge {
+            edges.joined.push([*up, down.half_edge]);
+        }
     }
     Ok(edges)
 }
 
-fn contour_uses(contour: &Contour) -> Vec<EdgeUse> {
-    let mut uses = Vec::new();
+/// Contour edges in numbering order, from place to place.
+fn contour_edges<'a>(contour: &'a Contour, first_at_place: &'a [u32]) -> impl Iterator<Item = [u32; 2]> + 'a {
     let mut first = 0;
-    for ring in contour.rings() {
-        let count = ring.vertices.len() as u32;
-        let edge =
-            |i: u32| EdgeUse::new(first + i, first + (i + 1) % count, User::ContourUp, User::ContourDown);
-        uses.extend((0..count).map(edge));
+    contour.rings().flat_map(move |ring| {
+        let (start, count) = (first, ring.vertices.len() as u32);
         first += count;
-    }
-    uses
+        (0..count).map(move |i| [start + i, start + (i + 1) % count].map(|v| first_at_place[v as usize]))
+    })
+}
+
+/// The forbidden edges between places, smaller first, sorted.
+fn forbidden_places(contour: &Contour, first_at_place: &[u32]) -> Vec<[u32; 2]> {
+    let place = |v: u32| first_at_place.get(v as usize).copied().unwrap_or(v);
+    let mut pairs: Vec<[u32; 2]> = contour
+        .forbidden_edges
+        .iter()
+        .map(|&[a, b]| [place(a).min(place(b)), place(a).max(place(b))])
+        .collect();
+    pairs.sort_unstable();
+    pairs
 }
 
 /// Checks one undirected edge, given all its uses.
-fn check_edge(contour: &Contour, edge: &[EdgeUse]) -> Result<(), PatchDefect> {
+fn check_edge(forbidden: &[[u32; 2]], edge: &[EdgeUse]) -> Result<(), PatchDefect> {
     let count = |user: User| edge.iter().filter(|u| u.user == user).count();
     let (low, high) = (edge[0].low, edge[0].high);
     let (up, down) = (count(User::TriangleUp), count(User::TriangleDown));
@@ -258,7 +326,7 @@ fn check_edge(contour: &Contour, edge: &[EdgeUse]) -> Result<(), PatchDefect> {
         (0, 0) if (up, down) != (1, 1) => {
             Err(PatchDefect::InnerEdge { from: low, to: high, along: up, against: down })
         }
-        (0, 0) if contour.forbidden_edges.binary_search(&[low, high]).is_ok() => {
+        (0, 0) if forbidden.binary_search(&[low, high]).is_ok() => {
             Err(PatchDefect::ForbiddenEdge { from: low, to: high })
         }
         (0, 0) => Ok(()),
@@ -267,15 +335,4 @@ fn check_edge(contour: &Contour, edge: &[EdgeUse]) -> Result<(), PatchDefect> {
         (0, _) => Err(PatchDefect::ContourEdge { from: high, to: low, along: down, against: up }),
         _ => Err(PatchDefect::ContourEdge { from: low, to: high, along: up, against: down }),
     }
-}
-
-fn check_euler(
-    contour: &Contour,
-    vertices: usize,
-    edges: usize,
-    triangles: usize,
-) -> Result<(), PatchDefect> {
-    let found = vertices as i64 - edges as i64 + triangles as i64;
-    let expected = 1 - contour.inner.len() as i64;
-    if found == expected { Ok(()) } else { Err(PatchDefect::EulerNumber { found, expected }) }
 }

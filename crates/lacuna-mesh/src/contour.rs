@@ -1,5 +1,6 @@
 //! What a filler sees of a hole (contour), and what it returns (patch).
 
+use crate::position_bits;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -89,6 +90,20 @@ impl Contour {
     #[must_use]
     pub fn positions(&self) -> Vec<DVec3> {
         self.rings().flat_map(|r| r.vertices.iter().map(|v| v.position)).collect()
+    }
+
+    /// For each contour vertex the first one at its place: itself, unless rings touch there or a ring touches itself.
+    /// O(n log n).
+    #[must_use]
+    pub fn first_at_place(&self) -> Vec<u32> {
+        let mut sorted: Vec<([u64; 3], u32)> =
+            self.positions().into_iter().map(position_bits).zip(0..).collect();
+        sorted.sort_unstable();
+        let mut first = vec![0; sorted.len()];
+        for place in sorted.chunk_by(|a, b| a.0 == b.0) {
+            place.iter().for_each(|&(_, v)| first[v as usize] = place[0].1);
+        }
+        first
     }
 }
 
