@@ -518,8 +518,8 @@ impl<'a> Builder<'a> {
         }
         let length =
             |edges: &[u32]| -> f64 { edges.iter().map(|&e| survey.from(e).distance(survey.to(e))).sum() };
-        let first_piece =
-            self.places.iter().position(|p| p.0 == self.holes.len()).unwrap_or(self.pieces.len());
+        // Places are in the order of holes, so this hole's come last.
+        let first_piece = self.places.partition_point(|p| p.0 < self.holes.len());
         hole.perimeter_m = self.pieces[first_piece..].iter().map(|p| p.high_m - p.low_m).sum();
         for piece in &hole.outer {
             if let Piece::Rim(edges) = piece {
