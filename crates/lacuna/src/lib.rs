@@ -11,8 +11,10 @@ pub mod logging;
 mod pipeline;
 pub mod progress;
 pub mod report;
+mod verify;
 
 pub use exit::ExitCode;
 pub use geometry::PolygonSet;
 pub use interrupt::Interrupt;
 pub use pipeline::{RunError, RunResult, SceneInfo, info, inspect, repair};
+pub use verify::{Again, PromiseResult, Status, Verdict, VerifyOptions, digest, verify};

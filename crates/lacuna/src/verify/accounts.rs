@@ -87,7 +87,9 @@ pub(super) fn check_marks(
     findings.count("patches marked", marked.len() as u64);
     for hole in &filled {
         match marked.get(hole.id.as_str()) {
-            None => findings.offend(format!("{tile}: no patch of {}, which the report calls filled", hole.id)),
+            None => {
+                findings.offend(format!("{tile}: no patch of {}, which the report calls filled", hole.id))
+            }
             Some(count) if *count != hole.patch_triangles => findings.offend(format!(
                 "{tile} ({}): {count} triangles are marked, the report has {}",
                 hole.id, hole.patch_triangles

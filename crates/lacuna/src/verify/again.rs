@@ -2,7 +2,9 @@
 
 use super::digest::digest;
 use super::verdict::Findings;
-use crate::config::{AreaLimit, AreaSettings, FillSettings, FindSettings, RunSettings, SceneSettings, Selection, Settings};
+use crate::config::{
+    AreaLimit, AreaSettings, FillSettings, FindSettings, RunSettings, SceneSettings, Selection, Settings,
+};
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::{ExitCode, Interrupt, RunError, repair};
@@ -52,8 +54,12 @@ fn settings_of(configuration: &Value) -> Option<Settings> {
     if !configuration["regions"].as_array()?.is_empty() {
         return None;
     }
-    let (scene, find, fill, selection) =
-        (&configuration["scene"], &configuration["find"], &configuration["fill"], &configuration["selection"]);
+    let (scene, find, fill, selection) = (
+        &configuration["scene"],
+        &configuration["find"],
+        &configuration["fill"],
+        &configuration["selection"],
+    );
     Some(Settings {
         scene: SceneSettings {
             untouched: get(scene, "untouched")?,

@@ -65,7 +65,8 @@ fn report_without_run_facts(path: &Path) -> Result<Vec<u8>, RunError> {
     let problem = |exit: ExitCode, what: String| RunError { exit, message: what };
     let text = std::fs::read(path)
         .map_err(|e| problem(ExitCode::InputOutput, format!("cannot read {}: {e}", path.display())))?;
-    let not_ours = |e: String| problem(ExitCode::InputOutput, format!("{}: not a report: {e}", path.display()));
+    let not_ours =
+        |e: String| problem(ExitCode::InputOutput, format!("{}: not a report: {e}", path.display()));
     let mut report: Value = serde_json::from_slice(&text).map_err(|e| not_ours(e.to_string()))?;
     let Some(members) = report.as_object_mut() else { return Err(not_ours("no object".to_owned())) };
     members.retain(|key, _| !RUN_FACTS.contains(&key.as_str()));

@@ -71,7 +71,11 @@ fn list_into(
     Ok(())
 }
 
-fn hash_all(root: &Path, names: Vec<String>, work: &Work<'_>) -> Result<BTreeMap<String, FileFacts>, RunError> {
+fn hash_all(
+    root: &Path,
+    names: Vec<String>,
+    work: &Work<'_>,
+) -> Result<BTreeMap<String, FileFacts>, RunError> {
     let hashed = work.each(names.len(), |_| 1 << 20, |k| hash_file(&root.join(&names[k])))?;
     names.into_iter().zip(hashed).map(|(name, facts)| Ok((name, facts?))).collect()
 }

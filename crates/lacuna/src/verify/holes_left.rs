@@ -94,7 +94,11 @@ fn check_cover(tile: &str, holes: &[FilledHole<'_>], cell: &CellMesh, findings: 
         let mut own = open.iter().filter(|(n, _)| *n == number);
         if let Some((_, first)) = own.next() {
             let more = own.count();
-            findings.offend(format!("{tile} ({}): no surface {} and {more} other places", hole.id, place(*first)));
+            findings.offend(format!(
+                "{tile} ({}): no surface {} and {more} other places",
+                hole.id,
+                place(*first)
+            ));
         }
     }
 }
@@ -161,7 +165,16 @@ mod tests {
 
     #[test]
     fn places_inside_a_ring_lie_inside() {
-        let horseshoe = ring(&[(0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (6.0, 9.0), (6.0, 2.0), (3.0, 2.0), (3.0, 9.0), (0.0, 9.0)]);
+        let horseshoe = ring(&[
+            (0.0, 0.0),
+            (9.0, 0.0),
+            (9.0, 9.0),
+            (6.0, 9.0),
+            (6.0, 2.0),
+            (3.0, 2.0),
+            (3.0, 9.0),
+            (0.0, 9.0),
+        ]);
         let outline = PolygonSet { rings: vec![horseshoe.clone()] };
         let places = places_inside(&horseshoe);
         assert!(places.len() > LINES && places.iter().all(|p| outline.contains(*p)), "{places:?}");

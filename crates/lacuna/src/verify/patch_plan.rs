@@ -48,10 +48,8 @@ impl Lying {
         let triangles: Vec<usize> = cell.patch_triangles().filter(|&t| cell.owner[t] == patch).collect();
         let normal = triangles.iter().map(|&t| normal(&cell.mesh, t)).sum();
         let places = |&t: &usize| cell.mesh.corners(t).map(|p| edges.find(p).unwrap_or(0)); // all places are known
-        let own = TriMesh {
-            positions: edges.positions.clone(),
-            triangles: triangles.iter().map(places).collect(),
-        };
+        let own =
+            TriMesh { positions: edges.positions.clone(), triangles: triangles.iter().map(places).collect() };
         let outline = boundary(&own);
         let (mut rings, mut is_rim) = (Vec::new(), Vec::new());
         for ring in loops(&outline).loops {
@@ -66,7 +64,9 @@ impl Lying {
     }
 
     fn edges(&self) -> Vec<[DVec2; 2]> {
-        let of = |ring: &Vec<DVec2>| (0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]]).collect::<Vec<_>>();
+        let of = |ring: &Vec<DVec2>| {
+            (0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]]).collect::<Vec<_>>()
+        };
         self.rings.iter().flat_map(of).collect()
     }
 }

@@ -113,9 +113,7 @@ fn check_slits(check: &PatchCheck<'_>, findings: &mut Findings) {
     for (number, edge) in boundary.edges.iter().enumerate() {
         let face = edge.face.index();
         let (a, b) = ends(edge);
-        if check.cell.owner[face] == ORIGINAL
-            || edge.kind != BoundaryKind::Simple
-            || check.is_on_border(a, b)
+        if check.cell.owner[face] == ORIGINAL || edge.kind != BoundaryKind::Simple || check.is_on_border(a, b)
         {
             continue;
         }

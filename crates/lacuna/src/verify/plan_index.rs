@@ -28,7 +28,8 @@ impl PlanIndex {
         let squares = (triangles.len() * SQUARES_A_TRIANGLE).max(1) as f64;
         let square_m = (size.x * size.y / squares).sqrt().max(size.max_element() / 4096.0);
         let (columns, rows) = ((size.x / square_m) as usize + 1, (size.y / square_m) as usize + 1);
-        let mut index = Self { triangles, low, square_m, columns, rows, starts: Vec::new(), members: Vec::new() };
+        let mut index =
+            Self { triangles, low, square_m, columns, rows, starts: Vec::new(), members: Vec::new() };
         if !index.triangles.is_empty() {
             index.sort_in();
         }
@@ -71,7 +72,9 @@ impl PlanIndex {
     pub(super) fn over(&self, point: DVec2) -> impl Iterator<Item = (usize, f64)> + '_ {
         let is_outside = self.triangles.is_empty()
             || point.cmplt(self.low).any()
-            || point.cmpgt(self.low + DVec2::new(self.columns as f64, self.rows as f64) * self.square_m).any();
+            || point
+                .cmpgt(self.low + DVec2::new(self.columns as f64, self.rows as f64) * self.square_m)
+                .any();
         let members = if is_outside {
             &[][..]
         } else {
@@ -79,7 +82,9 @@ impl PlanIndex {
             let square = row * self.columns + column;
             &self.members[self.starts[square] as usize..self.starts[square + 1] as usize]
         };
-        members.iter().filter_map(move |&t| Some((t as usize, height_at(&self.triangles[t as usize], point)?)))
+        members
+            .iter()
+            .filter_map(move |&t| Some((t as usize, height_at(&self.triangles[t as usize], point)?)))
     }
 }
 
@@ -103,7 +108,10 @@ mod tests {
     fn finds_what_lies_over_a_point() {
         let place = |i: u32, j: u32| DVec3::new(f64::from(i), f64::from(j), f64::from(i) * 0.5);
         let square = |i, j| {
-            [[place(i, j), place(i + 1, j), place(i + 1, j + 1)], [place(i, j), place(i + 1, j + 1), place(i, j + 1)]]
+            [
+                [place(i, j), place(i + 1, j), place(i + 1, j + 1)],
+                [place(i, j), place(i + 1, j + 1), place(i, j + 1)],
+            ]
         };
         let all: Vec<_> = (0..20).flat_map(|i| (0..9).flat_map(move |j| square(i, j))).collect();
         let index = PlanIndex::new(all);

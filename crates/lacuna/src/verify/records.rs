@@ -65,7 +65,10 @@ impl Records {
 fn read_json<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<T, RunError> {
     let input_output = |what: String| RunError { exit: ExitCode::InputOutput, message: what };
     let text = std::fs::read_to_string(path).map_err(|e| {
-        input_output(format!("cannot read {}: {e}; give the folder that `lacuna repair` wrote", path.display()))
+        input_output(format!(
+            "cannot read {}: {e}; give the folder that `lacuna repair` wrote",
+            path.display()
+        ))
     })?;
     serde_json::from_str(&text)
         .map_err(|e| input_output(format!("{}: not a record of lacuna: {e}; repair again", path.display())))

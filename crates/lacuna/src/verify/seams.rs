@@ -41,7 +41,14 @@ pub(super) fn check_seams(
     let nothing = CellBorder::default();
     let borders: BTreeSet<(CellId, Side)> = cells
         .keys()
-        .flat_map(|&c| [(c, Side::East), (c, Side::North), (c.neighbour(Side::West), Side::East), (c.neighbour(Side::South), Side::North)])
+        .flat_map(|&c| {
+            [
+                (c, Side::East),
+                (c, Side::North),
+                (c.neighbour(Side::West), Side::East),
+                (c.neighbour(Side::South), Side::North),
+            ]
+        })
         .collect();
     for (cell, side) in borders {
         let other = cell.neighbour(side);
@@ -75,7 +82,9 @@ impl<'a> Line<'a> {
         let is_on = |e: &&BorderEdge| {
             let [a, b] = [e.from, e.to].map(|p| p.truncate());
             let near = |p| (side.across(p) - line).abs() <= tolerance_m;
-            near(a) && near(b) && (side.along(a) - side.along(b)).abs() >= (side.across(a) - side.across(b)).abs()
+            near(a)
+                && near(b)
+                && (side.along(a) - side.along(b)).abs() >= (side.across(a) - side.across(b)).abs()
         };
         let edges: Vec<BorderEdge> = cell.edges.iter().filter(is_on).copied().collect();
         let directed = edges.iter().map(|e| (position_bits(e.from), position_bits(e.to))).collect();
@@ -135,7 +144,12 @@ fn check_vertices(own: &Line<'_>, other: &Line<'_>, findings: &mut Findings) {
         } else {
             format!("the other tile's vertex is {:.6} m away", near_m)
         };
-        findings.offend(format!("{} | {}: {what} {}", own.cell.tile, other.cell.tile, place(point.truncate())));
+        findings.offend(format!(
+            "{} | {}: {what} {}",
+            own.cell.tile,
+            other.cell.tile,
+            place(point.truncate())
+        ));
     }
 }
 
@@ -152,7 +166,8 @@ fn check_edges(own: &Line<'_>, other: &Line<'_>, findings: &mut Findings) {
         if other.directed.contains(&(from, to)) {
             findings.offend(format!("{pair}: both tiles face opposite ways {}", place(middle)));
         } else if other.covering(a.min(b), a.max(b)).next().is_none() {
-            let whose = if other.cell.tile.is_empty() { "there is no tile" } else { "the other tile is open" };
+            let whose =
+                if other.cell.tile.is_empty() { "there is no tile" } else { "the other tile is open" };
             findings.offend(format!("{pair}: a patch edge where {whose} {}", place(middle)));
         }
     }
@@ -176,7 +191,8 @@ mod tests {
     fn check(west: Vec<BorderEdge>, east: Vec<BorderEdge>, area: &[i32]) -> Findings {
         let grid = Grid { origin: DVec2::ZERO, cell_size_m: 10.0 };
         let border = |tile: &str, edges| CellBorder { tile: tile.to_owned(), edges, last_place_m: 0.0 };
-        let cells = [(CellId::new(0, 0), border("west", west)), (CellId::new(1, 0), border("east", east))].into();
+        let cells =
+            [(CellId::new(0, 0), border("west", west)), (CellId::new(1, 0), border("east", east))].into();
         let area = area.iter().map(|&i| CellId::new(i, 0)).collect();
         check_seams(&cells, &grid, 0.002, &area, &BTreeSet::new())
     }

@@ -13,8 +13,8 @@ pub(super) struct Work<'a> {
 impl<'a> Work<'a> {
     /// `threads` = 0: one a processor.
     pub(super) fn new(threads: usize, limit_bytes: u64, interrupt: &'a Interrupt) -> Result<Self, RunError> {
-        let pool = Pool::new(threads)
-            .map_err(|e| RunError { exit: ExitCode::Failed, message: e.to_string() })?;
+        let pool =
+            Pool::new(threads).map_err(|e| RunError { exit: ExitCode::Failed, message: e.to_string() })?;
         Ok(Self { pool, budget: MemoryBudget::new(limit_bytes), interrupt })
     }
 
@@ -29,7 +29,10 @@ impl<'a> Work<'a> {
         let stop = self.interrupt.stop_flag();
         let results = self.pool.run(&jobs, &self.budget, &stop, work, |_| {}).map_err(|e| RunError {
             exit: ExitCode::MemoryTooSmall,
-            message: format!("checking a tile needs {} MiB; raise --memory", e.needed_bytes.div_ceil(1 << 20)),
+            message: format!(
+                "checking a tile needs {} MiB; raise --memory",
+                e.needed_bytes.div_ceil(1 << 20)
+            ),
         })?;
         results.into_iter().map(|result| self.finished(result)).collect()
     }
@@ -42,7 +45,11 @@ impl<'a> Work<'a> {
                 message: format!("a fault of the program while checking: {message}"),
             }),
             JobResult::Stopped => Err(RunError {
-                exit: if self.interrupt.is_terminate() { ExitCode::Terminated } else { ExitCode::Interrupted },
+                exit: if self.interrupt.is_terminate() {
+                    ExitCode::Terminated
+                } else {
+                    ExitCode::Interrupted
+                },
                 message: "stopped; nothing was written".to_owned(),
             }),
         }

@@ -15,7 +15,9 @@ pub(super) fn compare(original: Option<&[u8]>, now: &[u8]) -> Comparison {
     };
     let before = match original.map(Container::parse).transpose() {
         Ok(container) => container,
-        Err(problem) => return Comparison { problems: vec![format!("as delivered: {problem}")], marks: Vec::new() },
+        Err(problem) => {
+            return Comparison { problems: vec![format!("as delivered: {problem}")], marks: Vec::new() };
+        }
     };
     let mut problems = Vec::new();
     if let Some(before) = &before {
@@ -66,7 +68,9 @@ fn members(text: &str) -> Result<Members, String> {
 }
 
 fn elements(value: Option<&RawValue>) -> Result<Vec<Box<RawValue>>, String> {
-    value.map_or(Ok(Vec::new()), |v| serde_json::from_str(v.get()).map_err(|e| format!("the JSON chunk holds {e}")))
+    value.map_or(Ok(Vec::new()), |v| {
+        serde_json::from_str(v.get()).map_err(|e| format!("the JSON chunk holds {e}"))
+    })
 }
 
 fn compare_containers(before: &Container<'_>, after: &Container<'_>, problems: &mut Vec<String>) {
@@ -104,7 +108,12 @@ fn compare_documents(before: &[u8], after: &[u8], problems: &mut Vec<String>) ->
     Ok(())
 }
 
-fn compare_arrays(key: &str, old: &RawValue, new: &RawValue, problems: &mut Vec<String>) -> Result<(), String> {
+fn compare_arrays(
+    key: &str,
+    old: &RawValue,
+    new: &RawValue,
+    problems: &mut Vec<String>,
+) -> Result<(), String> {
     let (old, new) = (elements(Some(old))?, elements(Some(new))?);
     if new.len() < old.len() {
         problems.push(format!("{key} has {} elements, {} were delivered", new.len(), old.len()));
@@ -127,7 +136,8 @@ fn is_extended(key: &str, index: usize, was: &RawValue, is: &RawValue) -> Result
     };
     let (mut was, mut is) = (members(was.get())?, members(is.get())?);
     let (old, new) = (was.remove(grown), is.remove(grown));
-    let same_rest = was.len() == is.len() && was.iter().all(|(k, v)| is.get(k).is_some_and(|w| w.get() == v.get()));
+    let same_rest =
+        was.len() == is.len() && was.iter().all(|(k, v)| is.get(k).is_some_and(|w| w.get() == v.get()));
     if grown == "byteLength" {
         return Ok(same_rest);
     }
@@ -194,7 +204,9 @@ mod tests {
         let json = format!("{json}{}", " ".repeat(json.len().next_multiple_of(4) - json.len()));
         let total = 12 + 8 + json.len() + 8 + bin.len();
         let mut file = b"glTF".to_vec();
-        for part in [&2u32.to_le_bytes()[..], &(total as u32).to_le_bytes(), &(json.len() as u32).to_le_bytes()] {
+        for part in
+            [&2u32.to_le_bytes()[..], &(total as u32).to_le_bytes(), &(json.len() as u32).to_le_bytes()]
+        {
             file.extend_from_slice(part);
         }
         file.extend_from_slice(b"JSON");
@@ -221,7 +233,11 @@ mod tests {
             ("another number text", glb(&patched.replace("\"count\":3", "\"count\":3.0"), b"abcdefgh"), 1),
             ("a member more", glb(&patched.replacen('{', "{\"extras\":1,", 1), b"abcdefgh"), 1),
             ("another node", glb(&patched.replace("{\"mesh\":0}", "{\"mesh\":1}"), b"abcdefgh"), 1),
-            ("a primitive changed", glb(&patched.replace("\"POSITION\":0", "\"POSITION\":1"), b"abcdefgh"), 1),
+            (
+                "a primitive changed",
+                glb(&patched.replace("\"POSITION\":0", "\"POSITION\":1"), b"abcdefgh"),
+                1,
+            ),
             ("no GLB", b"glTF".to_vec(), 1),
         ];
         for (name, now, problems) in cases {

@@ -46,7 +46,8 @@ mod tests {
 
     #[test]
     fn only_what_is_appended_may_differ() {
-        let patch = "# lacuna patch\nmtllib t_lacuna.mtl\n# hole 1_2/t\nf 1 2 3\nf 2 3 4\n# hole 3\nf 3 4 5\n";
+        let patch =
+            "# lacuna patch\nmtllib t_lacuna.mtl\n# hole 1_2/t\nf 1 2 3\nf 2 3 4\n# hole 3\nf 3 4 5\n";
         let cases = [
             ("v 0 0 0\n", format!("v 0 0 0\n{patch}"), 0),
             ("v 0 0 0", format!("v 0 0 0\n{patch}"), 0),

@@ -16,7 +16,9 @@ pub(super) fn compare(original: Option<&[u8]>, now: &[u8]) -> Comparison {
     };
     let before = match Layout::parse(original) {
         Ok(layout) => layout,
-        Err(problem) => return Comparison { problems: vec![format!("as delivered: {problem}")], marks: Vec::new() },
+        Err(problem) => {
+            return Comparison { problems: vec![format!("as delivered: {problem}")], marks: Vec::new() };
+        }
     };
     let mut problems = Vec::new();
     let added = match added_lines(&before.lines, &after.lines) {
@@ -65,7 +67,8 @@ fn compare_rows(original: &[u8], before: &Layout, now: &[u8], after: &Layout, pr
         };
         let may_grow = name == "vertex" || name == "face";
         if grown.count < element.count || (grown.count > element.count && !may_grow) {
-            problems.push(format!("element {name} has {} rows, {} were delivered", grown.count, element.count));
+            problems
+                .push(format!("element {name} has {} rows, {} were delivered", grown.count, element.count));
         }
         let (old, new) = (&original[element.span.clone()], &now[grown.span.clone()]);
         if !new.starts_with(old) {
@@ -153,7 +156,12 @@ impl Layout {
             ["element", name, count] => {
                 let count = count.parse().map_err(|_| format!("line {line:?} has no count"))?;
                 kept = format!("element {name}");
-                self.elements.push(Element { name: (*name).to_owned(), count, properties: Vec::new(), span: 0..0 });
+                self.elements.push(Element {
+                    name: (*name).to_owned(),
+                    count,
+                    properties: Vec::new(),
+                    span: 0..0,
+                });
             }
             ["property", "list", count, item, _] => self.add(Property::List(size_of(count)?, size_of(item)?)),
             ["property", kind, _] => self.add(Property::Scalar(size_of(kind)?)),
@@ -304,7 +312,9 @@ mod tests {
         }
         let found = compare(Some(delivered.as_bytes()), ascii(mark, &grown, &more).as_bytes());
         assert_eq!(found.marks, [Mark { hole: "5_6/Tile".to_owned(), triangles: 2 }]);
-        assert!(compare(Some(ascii(mark, &v, &f).as_bytes()), ascii(mark, &v, &f).as_bytes()).marks.is_empty());
+        assert!(
+            compare(Some(ascii(mark, &v, &f).as_bytes()), ascii(mark, &v, &f).as_bytes()).marks.is_empty()
+        );
     }
 
     #[test]
