@@ -46,7 +46,7 @@ const KERNELS: [&str; 7] = [
 ];
 
 /// Longest source file, in lines.
-const LONGEST_FILE: usize = 700;
+const LONGEST_FILE: usize = 750;
 
 /// Longest ARCHITECTURE.md, in lines: nobody reads a longer one.
 const LONGEST_MAP: usize = 150;
