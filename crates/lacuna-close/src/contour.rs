@@ -1,11 +1,12 @@
 //! The contour of one hole: rim, adopted vertices and closing points in order, and the surface behind them.
 
 use crate::Curves;
+use crate::strip::{square_lines, square_triangles, step_triangles};
 use glam::DVec3;
 use lacuna_grid::{CellId, CornerId, Side};
 use lacuna_hole::{Anchor, BorderMode, CellSurvey, Hole, Piece, Plan, Span, Surveys};
 use lacuna_mesh::{
-    Contour, ContourEdge, ContourRing, ContourVertex, EdgeKind, Support, VertexId, position_bits,
+    Contour, ContourEdge, ContourRing, ContourVertex, EdgeKind, Patch, Support, VertexId, position_bits,
 };
 use std::collections::BTreeMap;
 use thiserror::Error;
@@ -26,6 +27,9 @@ pub struct CellContour {
     pub contour: Contour,
     /// Where each contour vertex comes from.
     pub sources: Vec<Source>,
+    /// Surface beside the contour that the cells of an overlap share, to be added to the patch as it is: new vertices, and
+    /// triangles numbered as in a patch.
+    pub strip: Patch,
 }
 
 /// Why a hole has no contour.
@@ -44,7 +48,8 @@ pub enum CloseError {
 
 /// Builds the contour of a hole from the surveys, the plan and the closing curves.
 ///
-/// Positions of original vertices are exact copies. Vertices that follow each other at one place are one.
+/// Positions of original vertices are exact copies; `round` gives closing points the positions that the hole's tile stores.
+/// Vertices that follow each other at one place are one.
 ///
 /// # Errors
 /// Too few vertices, or a corner without height.
@@ -53,8 +58,9 @@ pub fn contour(
     plan: &Plan,
     hole: &Hole,
     curves: &Curves,
+    round: &dyn Fn(DVec3) -> DVec3,
 ) -> Result<CellContour, CloseError> {
-    let builder = Builder { surveys, plan, hole, curves };
+    let mut builder = Builder { surveys, plan, hole, curves, round, strip: Vec::new() };
     let mut rings = vec![builder.outer()?];
     let own = surveys.get(&hole.cell);
     for &island in &hole.islands {
@@ -68,7 +74,8 @@ pub fn contour(
     let outer = rings.next().unwrap_or_default();
     let mut contour = Contour { outer, inner: rings.collect(), ..Contour::default() };
     builder.add_support(&mut contour);
-    Ok(CellContour { contour, sources })
+    let strip = number_strip(&contour, &builder.strip);
+    Ok(CellContour { contour, sources, strip })
 }
 
 struct Builder<'a> {
@@ -76,10 +83,13 @@ struct Builder<'a> {
     plan: &'a Plan,
     hole: &'a Hole,
     curves: &'a Curves,
+    round: &'a dyn Fn(DVec3) -> DVec3,
+    /// Triangles of the overlap strips, by position.
+    strip: Vec<[DVec3; 3]>,
 }
 
 impl Builder<'_> {
-    fn outer(&self) -> Result<(ContourRing, Vec<Source>), CloseError> {
+    fn outer(&mut self) -> Result<(ContourRing, Vec<Source>), CloseError> {
         let mut ring = RingBuilder::default();
         for piece in &self.hole.outer {
             match piece {
@@ -105,7 +115,7 @@ impl Builder<'_> {
         self.surveys.get(&cell).ok_or(CloseError::NoSurvey(cell))
     }
 
-    fn add_span(&self, ring: &mut RingBuilder, side: Side, span: &Span) -> Result<(), CloseError> {
+    fn add_span(&mut self, ring: &mut RingBuilder, side: Side, span: &Span) -> Result<(), CloseError> {
         match span {
             Span::Adopted { neighbour, edges } => {
                 ring.add_edges(self.survey(*neighbour)?, edges, false);
@@ -115,25 +125,73 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// The points of a curve in the hole's direction, on the hole's own line.
-    fn add_curve(&self, ring: &mut RingBuilder, side: Side, c: u32) -> Result<(), CloseError> {
+    /// The points of a curve in the hole's direction: on the hole's own line, and along a strip that both cells take alike on
+    /// the neighbour's.
+    fn add_curve(&mut self, ring: &mut RingBuilder, side: Side, c: u32) -> Result<(), CloseError> {
+        let walk = self.curve_walk(side, c);
+        let spacing_m = walk.spacing_m;
+        let [first, last] = walk.anchors;
+        let [from_square, to_square] = walk.anchors.map(|a| walk.is_strip_end(a, self.curves));
+        let count = walk.columns.len();
+        let is_free = |k: usize| walk.free.get(k).copied().unwrap_or(false);
+        let from_square = from_square && is_free(0);
+        let to_square = to_square && count > 1 && is_free(count - 2);
+        if !from_square {
+            self.add_anchor(ring, first, spacing_m)?;
+        }
+        for (k, &[own, other]) in walk.columns.iter().enumerate() {
+            let before = if k == 0 { from_square } else { is_free(k - 1) };
+            let after = if k + 1 == count { to_square } else { is_free(k) };
+            match (before, after) {
+                (false, false) => ring.add_border(own, spacing_m),
+                (true, true) => ring.add_border(other, spacing_m),
+                (false, true) => [own, other].iter().for_each(|&p| ring.add_border(p, spacing_m)),
+                (true, false) => [other, own].iter().for_each(|&p| ring.add_border(p, spacing_m)),
+            }
+            if k + 1 < count && is_free(k) {
+                self.strip.extend(walk.step(side, k));
+            }
+        }
+        if to_square {
+            self.add_square(last);
+            return Ok(());
+        }
+        self.add_anchor(ring, last, spacing_m)
+    }
+
+    /// A curve as the hole walks it.
+    fn curve_walk(&self, side: Side, c: u32) -> CurveWalk {
         let curve = &self.plan.curves[c as usize];
         let points = &self.curves.curves[c as usize];
-        let line = self.plan.domains.get(&self.hole.cell).map_or(curve.line, |d| d.side(side).line);
-        let upward = side.runs_upward();
-        let (first, last) = if upward { (curve.low, curve.high) } else { (curve.high, curve.low) };
-        self.add_anchor(ring, first, points.spacing_m)?;
-        let moved = |k: usize| {
+        let own_line = self.plan.domains.get(&self.hole.cell).map_or(curve.line, |d| d.side(side).line);
+        let beyond = self.plan.domains.get(&self.hole.cell.neighbour(side));
+        let other_line = beyond.map_or(own_line, |d| d.side(side.opposite()).line);
+        let place = |k: usize, line: f64| {
             let p = points.inner[k];
             let z = p.z + points.slope[k] * (line - curve.line);
-            side.point(side.along(p.truncate()), line).extend(z)
+            (self.round)(side.point(side.along(p.truncate()), line).extend(z))
         };
-        let count = points.inner.len();
-        for k in 0..count {
-            let k = if upward { k } else { count - 1 - k };
-            ring.add_border(moved(k), points.spacing_m);
+        let mut columns: Vec<[DVec3; 2]> =
+            (0..points.inner.len()).map(|k| [own_line, other_line].map(|line| place(k, line))).collect();
+        let mut free = points.free_steps.clone();
+        let mut anchors = [curve.low, curve.high];
+        if !side.runs_upward() {
+            columns.reverse();
+            free.reverse();
+            anchors.reverse();
         }
-        self.add_anchor(ring, last, points.spacing_m)
+        CurveWalk { columns, free, anchors, spacing_m: points.spacing_m }
+    }
+
+    /// The square at a corner that four cells share.
+    fn add_square(&mut self, anchor: Anchor) {
+        let Anchor::Corner(corner) = anchor else { return };
+        if let (Some(lines), Some(height)) =
+            (square_lines(self.plan, corner), self.curves.corners.get(&corner))
+        {
+            let triangles = square_triangles(lines, height.z);
+            self.strip.extend(triangles.map(|t| t.map(|p| (self.round)(p))));
+        }
     }
 
     /// An anchor's vertex, unless it belongs to another tile that shares no vertices with this one.
@@ -232,6 +290,55 @@ impl Builder<'_> {
         cells.dedup();
         cells
     }
+}
+
+/// A curve in the direction of a hole's walk.
+struct CurveWalk {
+    /// Each point on the hole's own line and on the neighbour's.
+    columns: Vec<[DVec3; 2]>,
+    /// For each step between points, true if both cells take the strip between the lines.
+    free: Vec<bool>,
+    /// What stands at the ends.
+    anchors: [Anchor; 2],
+    spacing_m: f64,
+}
+
+impl CurveWalk {
+    /// True if the strip goes on in a corner's square.
+    fn is_strip_end(&self, anchor: Anchor, curves: &Curves) -> bool {
+        matches!(anchor, Anchor::Corner(corner) if curves.free_corners.contains(&corner))
+    }
+
+    /// The two triangles of a step, the same in both cells whichever way they walk.
+    fn step(&self, side: Side, k: usize) -> [[DVec3; 3]; 2] {
+        let mut ends = [self.columns[k], self.columns[k + 1]];
+        if side.along(ends[0][0].truncate()) > side.along(ends[1][0].truncate()) {
+            ends.reverse();
+        }
+        let lower = usize::from(side.across(ends[0][0].truncate()) > side.across(ends[0][1].truncate()));
+        let line = |which: usize| [ends[0][which], ends[1][which]];
+        step_triangles(side, line(lower), line(1 - lower))
+    }
+}
+
+/// Numbers the triangles of the strips: contour vertices by position, all others as new vertices behind them.
+fn number_strip(contour: &Contour, triangles: &[[DVec3; 3]]) -> Patch {
+    let mut numbers: BTreeMap<[u64; 3], u32> = BTreeMap::new();
+    for (k, p) in contour.positions().into_iter().enumerate() {
+        numbers.entry(position_bits(p)).or_insert(k as u32);
+    }
+    let count = contour.len() as u32;
+    let mut strip = Patch::default();
+    for triangle in triangles {
+        let corners = triangle.map(|p| {
+            *numbers.entry(position_bits(p)).or_insert_with(|| {
+                strip.vertices.push(p);
+                count + strip.vertices.len() as u32 - 1
+            })
+        });
+        strip.triangles.push(corners);
+    }
+    strip
 }
 
 /// Sorted pairs (smaller first) that are no edges of the contour itself.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use lacuna_grid::CornerId;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The closing polyline of one stretch of a border.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -15,6 +15,9 @@ pub struct BorderCurve {
     pub slope: Vec<f64>,
     /// Mean distance between neighbouring points, metres.
     pub spacing_m: f64,
+    /// Where tiles overrun their cell: for each step between neighbouring inner points, true if both cells take the same
+    /// strip of triangles there.
+    pub free_steps: Vec<bool>,
 }
 
 /// All curves of a plan, by its curve numbers, and heights of the bare grid corners.
@@ -24,4 +27,6 @@ pub struct Curves {
     pub curves: Vec<BorderCurve>,
     /// Position of every grid corner inside a hole where no cell has a vertex.
     pub corners: BTreeMap<CornerId, DVec3>,
+    /// Where tiles overrun their cell: corners whose overlap square all four cells fill alike.
+    pub free_corners: BTreeSet<CornerId>,
 }

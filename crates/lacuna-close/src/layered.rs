@@ -3,9 +3,10 @@
 
 use crate::curve::{BorderCurve, Curves};
 use crate::profile::{Candidate, Profile};
+use crate::strip::{mark_strips, square_lines};
 use glam::{DVec2, DVec3};
 use lacuna_grid::{CellId, CornerId, Side};
-use lacuna_hole::{Anchor, CellSurvey, Curve, CurveKind, Hole, Piece, Plan, Span, Surveys};
+use lacuna_hole::{Anchor, BorderMode, CellSurvey, Curve, CurveKind, Hole, Piece, Plan, Span, Surveys};
 use std::collections::BTreeMap;
 
 /// What the projection may vary.
@@ -46,12 +47,13 @@ pub fn project(surveys: &Surveys, plan: &Plan, options: &LayeredOptions) -> Curv
         plan,
         options,
         profiles: vec![None; count],
-        curves: Curves { curves: vec![BorderCurve::default(); count], corners: BTreeMap::new() },
+        curves: Curves { curves: vec![BorderCurve::default(); count], ..Curves::default() },
     };
     let last = plan.holes.iter().map(|h| h.layer).max().unwrap_or(0);
     for layer in 1..=last {
         projection.add_layer(layer);
     }
+    mark_strips(surveys, plan, &mut projection.curves);
     projection.curves
 }
 
@@ -244,11 +246,41 @@ impl Projection<'_> {
         let spacing_m = self.spacing(curve);
         let (side, growth) = (curve.border.side, self.options.growth);
         let Some(profile) = &self.profiles[c as usize] else { return };
-        let along = spaced(curve.low_m, curve.high_m, spacing_m, growth);
-        let inner: Vec<DVec3> =
+        let [low, high] = self.corner_squares(curve);
+        let mut along = spaced(low.unwrap_or(curve.low_m), high.unwrap_or(curve.high_m), spacing_m, growth);
+        if let Some(t) = low {
+            along.insert(0, t);
+        }
+        along.extend(high);
+        let mut inner: Vec<DVec3> =
             along.iter().filter_map(|&t| Some(side.point(t, curve.line).extend(profile.at(t)?))).collect();
+        // The corners of the square that four cells share have the height of the grid corner.
+        let corner_height = |anchor| self.anchor_position(anchor).map(|p| p.z);
+        if let (Some(_), Some(z), Some(first)) = (low, corner_height(curve.low), inner.first_mut()) {
+            first.z = z;
+        }
+        if let (Some(_), Some(z), Some(last)) = (high, corner_height(curve.high), inner.last_mut()) {
+            last.z = z;
+        }
         let slope = vec![0.0; inner.len()];
-        self.curves.curves[c as usize] = BorderCurve { inner, slope, spacing_m };
+        self.curves.curves[c as usize] = BorderCurve { inner, slope, spacing_m, ..BorderCurve::default() };
+    }
+
+    /// Where the overlap square of a bare corner ends, at the low and the high end of a shared stretch of tiles that overrun
+    /// their cell.
+    fn corner_squares(&self, curve: &Curve) -> [Option<f64>; 2] {
+        let long = curve.high_m - curve.low_m > 12.0 * self.plan.fit.margin_m;
+        if self.plan.fit.mode != BorderMode::Overrun || curve.kind != CurveKind::Shared || !long {
+            return [None, None];
+        }
+        let lines = |anchor| match anchor {
+            Anchor::Corner(corner) => {
+                let [x, y] = square_lines(self.plan, corner)?;
+                Some(if curve.border.side.is_horizontal() { x } else { y })
+            }
+            _ => None,
+        };
+        [lines(curve.low).map(|l| l[1]), lines(curve.high).map(|l| l[0])]
     }
 }
 

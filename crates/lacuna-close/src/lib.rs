@@ -7,6 +7,7 @@ mod contour;
 mod curve;
 mod layered;
 mod profile;
+mod strip;
 
 pub use contour::{CellContour, CloseError, Source, contour};
 pub use curve::{BorderCurve, Curves};

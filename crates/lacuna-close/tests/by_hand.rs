@@ -132,7 +132,7 @@ fn overrunning_tiles_close_on_their_own_lines() {
         let options = LayeredOptions { growth: 0.0, spacing_m: None };
         let curves = project(&planned.surveys, &planned.plan, &options);
         for hole in &planned.plan.holes {
-            let made = contour(&planned.surveys, &planned.plan, hole, &curves);
+            let made = contour(&planned.surveys, &planned.plan, hole, &curves, &|p| p);
             let made = made.unwrap_or_else(|e| panic!("{name}, {}: {e}", hole.cell)).contour;
             let rings = plan_rings(&made);
             assert!(signed_area(&rings[0]) > 0.0, "{name}, {}", hole.cell);
@@ -161,6 +161,6 @@ fn no_contour_where_nothing_is_known() {
     let planned = scene.plan();
     let options = LayeredOptions { growth: 0.0, spacing_m: None };
     let curves = project(&planned.surveys, &planned.plan, &options);
-    let made = contour(&planned.surveys, &planned.plan, &planned.plan.holes[0], &curves);
+    let made = contour(&planned.surveys, &planned.plan, &planned.plan.holes[0], &curves, &|p| p);
     assert!(made.is_err());
 }

@@ -27,7 +27,7 @@ pub(crate) fn close(scene: &Scene, growth: f64) -> Closing<'_> {
     let options = LayeredOptions { growth, spacing_m: None };
     let curves = project(&planned.surveys, &planned.plan, &options);
     let build = |hole: &Hole| {
-        contour(&planned.surveys, &planned.plan, hole, &curves)
+        contour(&planned.surveys, &planned.plan, hole, &curves, &|p| p)
             .unwrap_or_else(|e| panic!("{e}: {} {}", hole.cell, hole.class))
     };
     let contours = planned.plan.holes.iter().map(build).collect();

@@ -8,7 +8,7 @@ use glam::DVec3;
 use lacuna_close::{CellContour, Curves, LayeredOptions, Source, contour, project};
 use lacuna_fill::{FillError, FillParams, Filled, Filler, FillerChoice, HeightRule, fill};
 use lacuna_grid::CellId;
-use lacuna_hole::{CurveKind, HoleClass, Plan, Surveys};
+use lacuna_hole::{Anchor, BorderMode, CurveKind, HoleClass, Plan, Surveys};
 use lacuna_mesh::{Patch, PlanView, QualityStats, check_patch};
 use lacuna_schedule::{Job, JobResult, MemoryBudget};
 use lacuna_seam::{SeamVertex, SmoothParams, buffer_m, smooth};
@@ -150,12 +150,15 @@ impl HoleFiller<'_> {
 
     fn fill_one(&self, hole: u32, curves: &Curves) -> Result<FilledHole, NotFilled> {
         let record = &self.plan.holes[hole as usize];
-        let contour = contour(self.surveys, self.plan, record, curves)
+        let frame = self.frames.of(record.cell);
+        let round = |p: DVec3| frame.map_or(p, |f| f.round(p));
+        let contour = contour(self.surveys, self.plan, record, curves, &round)
             .map_err(|e| NotFilled { is_refusal: true, reason: e.to_string() })?;
         let params = params(&(self.settings_of)(hole), record.class);
         let solver = FaerSolver::default();
         let mut filled = fill(&contour.contour, &params, &solver).map_err(|e| refused(&e))?;
         self.round(record.cell, &contour, &mut filled)?;
+        add_strip(&contour, &mut filled.patch);
         Ok(FilledHole {
             rim: contour.contour.positions(),
             sources: contour.sources,
@@ -178,6 +181,14 @@ impl HoleFiller<'_> {
             reason: format!("the tile's number type is too coarse for the patch: {e}"),
         })
     }
+}
+
+/// Adds the overlap strips that the cells of a border share.
+fn add_strip(contour: &CellContour, patch: &mut Patch) {
+    let (count, shift) = (contour.contour.len() as u32, patch.vertices.len() as u32);
+    patch.vertices.extend(&contour.strip.vertices);
+    let number = |v: u32| if v < count { v } else { v + shift };
+    patch.triangles.extend(contour.strip.triangles.iter().map(|t| t.map(number)));
 }
 
 fn refused(error: &FillError) -> NotFilled {
@@ -223,6 +234,14 @@ fn smooth_seams(plan: &Plan, curves: &mut Curves, fills: &Fills) -> Vec<u32> {
         let inner = &mut curves.curves[c].inner;
         let mut border: Vec<SeamVertex> =
             inner.iter().map(|p| SeamVertex { plan: p.truncate(), z: p.z, frozen: false }).collect();
+        // The corners of a square that four cells share keep its height.
+        let overrun = plan.fit.mode == BorderMode::Overrun;
+        let is_square = |a: Anchor| overrun && matches!(a, Anchor::Corner(_));
+        for (end, anchor) in [(0, curve.low), (border.len().saturating_sub(1), curve.high)] {
+            if let Some(vertex) = border.get_mut(end) {
+                vertex.frozen |= is_square(anchor);
+            }
+        }
         let reach = buffer_m(&border, &params);
         let near = |p: &&DVec3| {
             let side = curve.border.side;
