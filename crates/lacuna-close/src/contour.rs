@@ -213,6 +213,10 @@ impl Builder<'_> {
 
     fn add_corner(&self, ring: &mut RingBuilder, side: Side) -> Result<(), CloseError> {
         let corner = self.hole.cell.corner_after(side);
+        if self.curves.free_corners.contains(&corner) {
+            // The square that four cells share turns the corner.
+            return Ok(());
+        }
         // Between two adopted stretches the neighbours' own vertices turn the corner.
         if let Ok(place) = self.corner_position(corner) {
             ring.add_border(place, self.plan.fit.edge_m);
