@@ -1,10 +1,10 @@
 //! The command line: reads the flags, runs the verb, prints its result on stdout and problems on stderr.
 
 use clap::Parser;
-use lacuna::cli::{Cli, Command};
+use lacuna::cli::{Cli, Command, VerifyArgs};
 use lacuna::config::Settings;
 use lacuna::progress::Progress;
-use lacuna::{ExitCode, Interrupt, RunError, RunResult};
+use lacuna::{ExitCode, Interrupt, RunError, RunResult, VerifyOptions};
 
 #[global_allocator]
 static ALLOCATOR: lacuna_system::CountingAllocator = lacuna_system::CountingAllocator;
@@ -40,23 +40,11 @@ fn say(text: &str) {
 
 /// Runs the verb.
 fn perform(cli: &Cli, progress: &Progress) -> Result<ExitCode, RunError> {
-    let settings =
-        Settings::resolve(cli).map_err(|e| RunError { exit: ExitCode::Usage, message: e.to_string() })?;
+    let settings = Settings::resolve(cli).map_err(|e| error(ExitCode::Usage, e.to_string()))?;
     let interrupt = Interrupt::on_signals()
-        .map_err(|e| RunError { exit: ExitCode::Failed, message: format!("no signal handlers: {e}") })?;
+        .map_err(|e| error(ExitCode::Failed, format!("the system refuses signal handlers: {e}")))?;
     match &cli.command {
-        Command::Info(args) => {
-            let info = lacuna::info(&settings, &interrupt, progress)?;
-            progress.finish();
-            if args.json {
-                let json = serde_json::to_string_pretty(&info)
-                    .map_err(|e| RunError { exit: ExitCode::Failed, message: e.to_string() })?;
-                say(&format!("{json}\n"));
-            } else {
-                say(&info.to_text());
-            }
-            Ok(ExitCode::Done)
-        }
+        Command::Info(args) => info(&settings, args.json, &interrupt, progress),
         Command::Inspect(args) => {
             let result = lacuna::inspect(&settings, args.report.as_deref(), &interrupt, progress)?;
             let place = args.report.as_ref().map(|p| p.join("report.html").display().to_string());
@@ -68,8 +56,55 @@ fn perform(cli: &Cli, progress: &Progress) -> Result<ExitCode, RunError> {
             let place = out.map(|p| p.join("lacuna").join("report.html").display().to_string());
             Ok(show(&result, &place.unwrap_or_default(), progress))
         }
-        _ => Err(RunError { exit: ExitCode::Usage, message: "not in this version".to_owned() }),
+        Command::Verify(args) => verify(args, &settings, &interrupt, progress),
+        Command::Bench(_) => Err(error(ExitCode::Usage, "bench is not in this version".to_owned())),
     }
+}
+
+fn error(exit: ExitCode, message: String) -> RunError {
+    RunError { exit, message }
+}
+
+fn info(
+    settings: &Settings,
+    as_json: bool,
+    interrupt: &Interrupt,
+    progress: &Progress,
+) -> Result<ExitCode, RunError> {
+    let info = lacuna::info(settings, interrupt, progress)?;
+    progress.finish();
+    if as_json {
+        let json = serde_json::to_string_pretty(&info).map_err(|e| error(ExitCode::Failed, e.to_string()))?;
+        say(&format!("{json}\n"));
+    } else {
+        say(&info.to_text());
+    }
+    Ok(ExitCode::Done)
+}
+
+fn verify(
+    args: &VerifyArgs,
+    settings: &Settings,
+    interrupt: &Interrupt,
+    progress: &Progress,
+) -> Result<ExitCode, RunError> {
+    if let Some(out) = &args.digest {
+        say(&format!("{}\n", lacuna::digest(out)?));
+        return Ok(ExitCode::Done);
+    }
+    let Some(out) = &settings.scene.output else {
+        return Err(error(ExitCode::Usage, "no output folder to verify; give it after the scene".to_owned()));
+    };
+    let options = VerifyOptions {
+        threads: settings.run.threads,
+        memory_limit_bytes: settings.run.memory_limit_bytes,
+        interrupt: interrupt.clone(),
+        ..VerifyOptions::default()
+    };
+    let verdict = lacuna::verify(&settings.scene.input, out, &options)?;
+    progress.finish();
+    say(&verdict.to_text());
+    Ok(if verdict.is_ok() { ExitCode::Done } else { ExitCode::Failed })
 }
 
 fn show(result: &RunResult, place: &str, progress: &Progress) -> ExitCode {

@@ -40,6 +40,9 @@ struct RepairOnly {
     dry_run: bool,
 }
 
+/// More threads than any machine that runs this has processors.
+const MOST_THREADS: usize = 1024;
+
 impl Settings {
     /// Joins defaults, the configuration file and the flags, on this machine.
     ///
@@ -203,7 +206,7 @@ fn run(file: &RunSection, arguments: &Arguments, machine: &Machine) -> RunSettin
     };
     RunSettings {
         memory_limit_bytes: memory.bytes_on(machine),
-        threads: threads.max(1),
+        threads: threads.clamp(1, MOST_THREADS),
         fail_on: arguments.repair.fail_on.or(file.fail_on).unwrap_or_default(),
         strict: arguments.repair.strict,
         untrusted: arguments.run.untrusted,

@@ -39,7 +39,8 @@ pub(super) fn check_filled(
 }
 
 fn check_loops(tile: &str, holes: &[FilledHole<'_>], boundary: &Boundary, findings: &mut Findings) {
-    for open in loops(boundary).loops {
+    // Loops of triangles that face the other way are closed: promise 5 judges them.
+    for open in loops(boundary).loops.into_iter().filter(|l| !l.has_conflict(boundary)) {
         let ring: Vec<DVec2> = open.positions(boundary).iter().map(|p| p.truncate()).collect();
         let (area, length) = (signed_area(&ring), perimeter(&ring));
         if area <= 0.0 || 2.0 * area < SLIT_M * length {

@@ -210,7 +210,7 @@ mod tests {
             ("a T-junction in delivered surface", chain(&split, true, |_| false), 1),
             ("one edge missing", chain(&line[..3], true, all), 1),
             ("nothing there", Vec::new(), 3),
-            ("flipped", chain(&line, false, all), 3),
+            ("flipped", chain(&line, false, all), 6),
         ];
         for (name, east, expected) in cases {
             let result = check(chain(&line, false, all), east, &[0, 1]).into_result(4, "", true);
