@@ -86,21 +86,23 @@ fn check_geometry(
     let domain = layout.domain(changed.cell);
     let boundary = boundary(&cell.mesh);
     let edges = PatchEdges::new(cell);
-    let check = PatchCheck {
-        tile: &changed.tile,
-        cell,
-        edges: &edges,
-        boundary: &boundary,
-        domain: &domain,
-        tolerance_m: layout.tolerance_m(),
-    };
-    found.patches.take(check_patches(&check));
     let filled: Vec<FilledHole<'_>> = holes
         .iter()
         .filter(|h| h.outcome == Outcome::Filled)
         .filter_map(|h| Some(FilledHole { id: &h.id, outline: context.records.outlines.get(&h.id)? }))
         .collect();
-    found.holes_left = check_filled(&changed.tile, &filled, cell, &boundary);
+    let (holes_left, is_open) = check_filled(&changed.tile, &filled, cell, &boundary);
+    found.holes_left = holes_left;
+    let check = PatchCheck {
+        tile: &changed.tile,
+        cell,
+        edges: &edges,
+        boundary: &boundary,
+        is_open: &is_open,
+        domain: &domain,
+        tolerance_m: layout.tolerance_m(),
+    };
+    found.patches.take(check_patches(&check));
     found.border.tile.clone_from(&changed.tile);
     found.border.edges = layout.border_edges(changed.cell, &boundary, |face| cell.owner[face] != ORIGINAL);
     if layout.fit.mode == BorderMode::Overrun {

@@ -6,7 +6,7 @@ use super::plan_index::PlanIndex;
 use super::verdict::Findings;
 use crate::PolygonSet;
 use glam::{DVec2, DVec3};
-use lacuna_mesh::{Boundary, loops, perimeter, signed_area};
+use lacuna_mesh::{Boundary, BoundaryLoop, loops, perimeter, signed_area};
 
 /// Loops that are narrower are slits, metres (promise 5 judges them).
 const SLIT_M: f64 = 0.005;
@@ -24,35 +24,46 @@ pub(super) struct FilledHole<'a> {
 }
 
 /// Looks for the filled holes of a cell in its final mesh: (1) no boundary loop round missing surface lies inside one;
-/// (2) places spread over each are covered by a triangle, seen from above.
+/// (2) places spread over each are covered by a triangle, seen from above. Also returns, for every boundary edge, whether it
+/// belongs to such a loop.
 pub(super) fn check_filled(
     tile: &str,
     holes: &[FilledHole<'_>],
     cell: &CellMesh,
     boundary: &Boundary,
-) -> Findings {
+) -> (Findings, Vec<bool>) {
     let mut findings = Findings::default();
     findings.count("filled holes looked for", holes.len() as u64);
-    check_loops(tile, holes, boundary, &mut findings);
-    check_cover(tile, holes, cell, &mut findings);
-    findings
-}
-
-fn check_loops(tile: &str, holes: &[FilledHole<'_>], boundary: &Boundary, findings: &mut Findings) {
+    let patches = surface(cell, |owner| owner != ORIGINAL);
+    let mut is_open = vec![false; boundary.edges.len()];
     // Loops of triangles that face the other way are closed: promise 5 judges them.
     for open in loops(boundary).loops.into_iter().filter(|l| !l.has_conflict(boundary)) {
-        let ring: Vec<DVec2> = open.positions(boundary).iter().map(|p| p.truncate()).collect();
-        let (area, length) = (signed_area(&ring), perimeter(&ring));
-        if area <= 0.0 || 2.0 * area < SLIT_M * length {
-            continue;
-        }
-        let inside = places_inside(&ring);
-        let hole = holes.iter().find(|h| inside.iter().any(|p| h.outline.contains(*p)));
-        if let Some(hole) = hole {
-            let at = inside.first().copied().unwrap_or(ring[0]);
-            findings.offend(format!("{tile} ({}): {area:.3} m2 are still open {}", hole.id, place(at)));
+        if let Some(what) = open_loop(holes, &open, boundary, &patches) {
+            open.edges.iter().for_each(|&e| is_open[e as usize] = true);
+            findings.offend(format!("{tile} {what}"));
         }
     }
+    check_cover(tile, holes, cell, &patches, &mut findings);
+    (findings, is_open)
+}
+
+/// What is open, if a loop runs round missing surface inside a filled hole that no patch covers.
+fn open_loop(
+    holes: &[FilledHole<'_>],
+    open: &BoundaryLoop,
+    boundary: &Boundary,
+    patches: &PlanIndex,
+) -> Option<String> {
+    let ring: Vec<DVec2> = open.positions(boundary).iter().map(|p| p.truncate()).collect();
+    let (area, length) = (signed_area(&ring), perimeter(&ring));
+    if area <= 0.0 || 2.0 * area < SLIT_M * length {
+        return None;
+    }
+    let bare: Vec<DVec2> =
+        places_inside(&ring).into_iter().filter(|p| patches.over(*p).next().is_none()).collect();
+    let in_hole = |p: &DVec2| holes.iter().find(|h| h.outline.contains(*p));
+    let (at, hole) = bare.iter().find_map(|p| Some((*p, in_hole(p)?)))?;
+    Some(format!("({}): {area:.3} m2 are still open {}", hole.id, place(at)))
 }
 
 /// Places inside a ring: the middles of the stretches that it cuts from some lines in east-west direction.
@@ -77,9 +88,14 @@ fn cut(ring: &[DVec2], y: f64) -> Vec<f64> {
     x
 }
 
-fn check_cover(tile: &str, holes: &[FilledHole<'_>], cell: &CellMesh, findings: &mut Findings) {
+fn check_cover(
+    tile: &str,
+    holes: &[FilledHole<'_>],
+    cell: &CellMesh,
+    patches: &PlanIndex,
+    findings: &mut Findings,
+) {
     let mut open: Vec<(usize, DVec2)> = Vec::new();
-    let patches = surface(cell, |owner| owner != ORIGINAL);
     for (number, hole) in holes.iter().enumerate() {
         let samples = samples(hole.outline);
         findings.count("places looked at", samples.len() as u64);

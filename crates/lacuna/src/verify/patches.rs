@@ -5,7 +5,8 @@ use super::patch_plan::check_in_plan;
 use super::verdict::Findings;
 use glam::{DVec2, DVec3};
 use lacuna_grid::{Domain, Side};
-use lacuna_mesh::{Boundary, BoundaryEdge, BoundaryKind};
+use lacuna_mesh::{Boundary, BoundaryEdge, BoundaryKind, BoundaryPoint};
+use std::collections::HashSet;
 
 /// A triangle whose height is below this share of its longest side is flat.
 const LEAST_HEIGHT_SHARE: f64 = 1e-7;
@@ -20,6 +21,8 @@ pub(super) struct PatchCheck<'a> {
     pub(super) edges: &'a PatchEdges,
     /// Boundary of the final mesh.
     pub(super) boundary: &'a Boundary,
+    /// For each of its edges, whether it borders a part of a filled hole that is still open.
+    pub(super) is_open: &'a [bool],
     /// The cell's rectangle.
     pub(super) domain: &'a Domain,
     /// What lies this near to a side's line lies on it, metres.
@@ -34,7 +37,7 @@ pub(super) fn check_patches(check: &PatchCheck<'_>) -> Findings {
     check_shapes(check, &mut findings);
     check_duplicates(check, &mut findings);
     check_edges(check, &mut findings);
-    check_slits(check, &mut findings);
+    check_joints(check, &mut findings);
     check_in_plan(check, &mut findings);
     findings
 }
@@ -106,25 +109,44 @@ fn check_edges(check: &PatchCheck<'_>, findings: &mut Findings) {
     }
 }
 
-/// A patch edge that nothing joins, inside the cell, with another such edge within 5 mm: a crack along the rim.
-fn check_slits(check: &PatchCheck<'_>, findings: &mut Findings) {
+/// Inside the cell every patch edge is joined. One that is not and has another such edge within 5 mm makes a crack along the
+/// rim. Only bridges may be free: edges between two delivered vertices, over a cut inside the tile. What borders an open
+/// part of the hole is left to promise 7.
+fn check_joints(check: &PatchCheck<'_>, findings: &mut Findings) {
     let boundary = check.boundary;
-    let ends = |e: &BoundaryEdge| (boundary.position(e.from), boundary.position(e.to));
+    let delivered = delivered_points(check);
     for (number, edge) in boundary.edges.iter().enumerate() {
         let face = edge.face.index();
-        let (a, b) = ends(edge);
-        if check.cell.owner[face] == ORIGINAL || edge.kind != BoundaryKind::Simple || check.is_on_border(a, b)
-        {
+        let (a, b) = (boundary.position(edge.from), boundary.position(edge.to));
+        let is_free = check.cell.owner[face] != ORIGINAL && edge.kind == BoundaryKind::Simple;
+        if !is_free || check.is_open[number] || check.is_on_border(a, b) {
             continue;
         }
-        findings.count("patch edges that join nothing", 1);
-        let middle = a.midpoint(b);
-        let reach = SLIT_M.min(0.1 * a.distance(b));
-        let mut others = boundary.edges.iter().enumerate().filter(|(k, _)| *k != number);
-        if others.any(|(_, other)| distance_to_segment(middle, ends(other)) <= reach) {
+        if is_slit(boundary, number) {
             findings.offend(check.say(face, "a slit between patch and rim"));
+        } else if delivered[edge.from.index()] && delivered[edge.to.index()] {
+            findings.count("bridges over cuts", 1);
+        } else {
+            findings.offend(check.say(face, "an edge of the patch that joins nothing"));
         }
     }
+}
+
+/// For each boundary point, whether a delivered triangle has a corner there.
+fn delivered_points(check: &PatchCheck<'_>) -> Vec<bool> {
+    let originals = check.edges.uses.iter().filter(|u| !u.is_patch);
+    let places: HashSet<u32> = originals.flat_map(|u| [u.low, u.high]).collect();
+    let is_delivered = |p: &BoundaryPoint| check.edges.find(p.position).is_some_and(|v| places.contains(&v));
+    check.boundary.points.iter().map(is_delivered).collect()
+}
+
+/// True if another boundary edge runs within 5 mm of an edge's middle.
+fn is_slit(boundary: &Boundary, number: usize) -> bool {
+    let ends = |e: &BoundaryEdge| (boundary.position(e.from), boundary.position(e.to));
+    let (a, b) = ends(&boundary.edges[number]);
+    let reach = SLIT_M.min(0.1 * a.distance(b));
+    let mut others = boundary.edges.iter().enumerate().filter(|(k, _)| *k != number);
+    others.any(|(_, other)| distance_to_segment(a.midpoint(b), ends(other)) <= reach)
 }
 
 fn distance_to_segment(point: DVec3, (a, b): (DVec3, DVec3)) -> f64 {
