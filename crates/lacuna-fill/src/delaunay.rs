@@ -1,7 +1,8 @@
 //! Constrained Delaunay triangulation of simple rings.
 
 use crate::FillError;
-use crate::topology::Topology;
+use crate::error::Crossing;
+use crate::topology::{NONE, Topology};
 use glam::DVec2;
 use spade::handles::FixedFaceHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
@@ -10,40 +11,67 @@ use std::collections::VecDeque;
 /// Triangulates what the rings enclose, every ring edge a constraint: faces reached from outside over an odd number of
 /// constraints, so islands stay empty. No vertex is added.
 ///
-/// `rings` hold indices into `points`; they must be simple, apart from each other and properly nested. Triangles are
-/// counter-clockwise and sorted, so equal input gives equal output.
+/// `rings` hold indices into `points`; they must be simple and apart from each other but for vertices in which they
+/// touch, which have one index in all rings, and properly nested. Triangles are counter-clockwise and sorted, so equal
+/// input gives equal output; each ring edge has one triangle, on its left.
 ///
 /// # Errors
-/// [`FillError::CrossingRim`] if an edge is refused as a constraint or two vertices share a place,
-/// [`FillError::Malformed`] for coordinates out of range.
+/// [`FillError::CrossingRim`] if an edge is refused as a constraint, two vertices share a place, or rings cross in a
+/// common vertex; [`FillError::Malformed`] for coordinates out of range.
 pub(crate) fn triangulate(points: &[DVec2], rings: &[Vec<u32>]) -> Result<Topology, FillError> {
-    let used: Vec<u32> = rings.iter().flatten().copied().collect();
+    let (used, edges) = number_through(points.len(), rings);
     let vertices: Vec<Point2<f64>> =
         used.iter().map(|&v| Point2::new(points[v as usize].x, points[v as usize].y)).collect();
     let mut refused = None;
-    let cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(
-        vertices,
-        constraints(rings),
-        |edge| refused = refused.or(Some(edge[0])),
-    )
-    .map_err(|e| FillError::Malformed { what: e.to_string() })?;
+    let cdt =
+        ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges.clone(), |edge| {
+            refused = refused.or(Some(edge[0]))
+        })
+        .map_err(|e| FillError::Malformed { what: e.to_string() })?;
     if let Some(at) = refused {
-        return Err(FillError::CrossingRim { vertex: used.get(at).copied().unwrap_or(0) });
+        return Err(crossing(used.get(at).copied().unwrap_or(0)));
     }
-    if cdt.num_vertices() != used.len() || cdt.num_constraints() != used.len() {
-        return Err(FillError::CrossingRim { vertex: used[0] });
+    if cdt.num_vertices() != used.len() || cdt.num_constraints() != edges.len() {
+        return Err(crossing(used[0]));
     }
-    Ok(Topology::new(&inner_triangles(&cdt, &used)))
+    let topology = Topology::new(&inner_triangles(&cdt, &used));
+    check_boundary(&topology, rings)?;
+    Ok(topology)
 }
 
-fn constraints(rings: &[Vec<u32>]) -> Vec<[usize; 2]> {
-    let mut edges = vec![];
-    let mut first = 0;
-    for ring in rings {
-        edges.extend((0..ring.len()).map(|i| [first + i, first + (i + 1) % ring.len()]));
-        first += ring.len();
+fn crossing(vertex: u32) -> FillError {
+    FillError::crossing(vertex, Crossing::InVertex)
+}
+
+/// The vertices of the rings, each once, in the order in which rings meet them; ring edges as pairs of places there.
+fn number_through(count: usize, rings: &[Vec<u32>]) -> (Vec<u32>, Vec<[usize; 2]>) {
+    let (mut used, mut number) = (vec![], vec![NONE; count]);
+    for &v in rings.iter().flatten() {
+        if number[v as usize] == NONE {
+            number[v as usize] = used.len() as u32;
+            used.push(v);
+        }
     }
-    edges
+    let edges = ring_edges(rings).map(|edge| edge.map(|v| number[v as usize] as usize)).collect();
+    (used, edges)
+}
+
+fn ring_edges(rings: &[Vec<u32>]) -> impl Iterator<Item = [u32; 2]> + '_ {
+    rings.iter().flat_map(|ring| (0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]]))
+}
+
+/// Rings that touch without crossing have the surface on their left all along.
+fn check_boundary(topology: &Topology, rings: &[Vec<u32>]) -> Result<(), FillError> {
+    let open = (0..topology.origin.len() as u32).filter(|&h| topology.twin(h).is_none());
+    let mut found: Vec<[u32; 2]> = open.map(|h| [topology.start(h), topology.end(h)]).collect();
+    let mut wanted: Vec<[u32; 2]> = ring_edges(rings).collect();
+    found.sort_unstable();
+    wanted.sort_unstable();
+    match wanted.iter().zip(&found).find(|(wanted, found)| wanted != found) {
+        Some((edge, _)) => Err(crossing(edge[0])),
+        None if found.len() != wanted.len() => Err(crossing(wanted[0][0])),
+        None => Ok(()),
+    }
 }
 
 fn inner_triangles(cdt: &ConstrainedDelaunayTriangulation<Point2<f64>>, used: &[u32]) -> Vec<[u32; 3]> {

@@ -3,7 +3,9 @@
 use crate::frame::Frame;
 use crate::lift::{Lifted, fill_in_frame, vector_area};
 use crate::min_area::min_area_patch;
+use crate::plan::Pockets;
 use crate::plane::best_fit_frame;
+use crate::weld::{Welded, weld};
 use crate::{FillError, FillParams, FillerChoice};
 use glam::DVec3;
 use lacuna_mesh::{Contour, Patch, PlanView, QualityStats, check_patch, side_of_line};
@@ -57,64 +59,96 @@ const UPRIGHT: f64 = 0.15;
 const LEVEL: f64 = 0.5;
 
 /// Fills a contour (algorithms E.1): constrained Delaunay from above where the rim is simple after pockets are cut,
-/// else in the best-fit plane, else the minimum-area triangulation in 3D. Contour vertices keep their positions bit
-/// for bit; a patch that fails its check is never returned.
+/// else in the best-fit plane, else the minimum-area triangulation in 3D. What none of them takes, because walls stand
+/// round it and islands in it, is still filled from above if it looks up and needs no pocket. Contour vertices keep
+/// their positions bit for bit; a patch that fails its check is never returned.
+///
+/// Rings may touch each other and themselves in vertices (equal positions): those are one vertex, and triangles name the
+/// first contour vertex at the place.
 ///
 /// # Errors
 /// [`FillError`]: its `is_refusal` tells a reason to skip from a failure.
 pub fn fill(contour: &Contour, params: &FillParams, solver: &dyn Solver) -> Result<Filled, FillError> {
+    fill_by_list(contour, params, solver).map_err(|e| e.with_place(contour))
+}
+
+fn fill_by_list(contour: &Contour, params: &FillParams, solver: &dyn Solver) -> Result<Filled, FillError> {
     check_input(contour, params)?;
     check_direction(contour)?;
+    let rim = weld(contour)?;
     if params.filler == FillerChoice::MinArea {
-        return fill_in_space(contour, params, solver);
+        return fill_in_space(&rim, params, solver);
     }
-    let seen_from_above =
-        if is_plan_trusted(contour) { Some(fill_from_above(contour, params, solver)) } else { None };
+    let seen_from_above = if is_plan_trusted(contour) {
+        Some(fill_from_above(&rim, Pockets::Cut, params, solver))
+    } else {
+        None
+    };
     let reason = match seen_from_above {
         Some(Err(reason)) if is_about_plan(&reason) => Some(reason),
         Some(done) => return done,
         None => None,
     };
-    match best_fit_frame(contour).map(|frame| fill_in_plane(contour, frame, params, solver)) {
+    match best_fit_frame(contour).map(|frame| fill_in_plane(&rim, frame, params, solver)) {
         Some(Err(e)) if is_about_plan(&e) => {}
         Some(done) => return done,
         None => {}
     }
-    if params.filler == FillerChoice::Auto && contour.inner.is_empty() && contour.len() <= LARGEST_RING {
-        return fill_in_space(contour, params, solver);
+    let refusal = space_refusal(&rim);
+    if refusal.is_none() && params.filler == FillerChoice::Auto {
+        return fill_in_space(&rim, params, solver);
     }
-    Err(reason.unwrap_or_else(|| space_refusal(contour)))
+    // Nothing else takes it: a rim of steps may still be simple from above as it is.
+    if reason.is_none() && level(contour) > UPRIGHT {
+        return fill_from_above(&rim, Pockets::Refused, params, solver);
+    }
+    Err(reason.or(refusal).unwrap_or(FillError::UprightRim))
 }
 
-fn fill_from_above(contour: &Contour, params: &FillParams, solver: &dyn Solver) -> Result<Filled, FillError> {
-    let frame = Frame::plan(&contour.positions());
-    let lifted = fill_in_frame(contour, frame, true, params, solver)?;
-    finish(contour, lifted, Filler::Delaunay)
+/// z of the unit vector along the outer ring's vector area: 1 for a level contour, 0 for a facade.
+fn level(contour: &Contour) -> f64 {
+    let outer: Vec<DVec3> = contour.outer.vertices.iter().map(|v| v.position).collect();
+    vector_area(&outer).normalize_or_zero().z
+}
+
+fn fill_from_above(
+    rim: &Welded<'_>,
+    pockets: Pockets,
+    params: &FillParams,
+    solver: &dyn Solver,
+) -> Result<Filled, FillError> {
+    let frame = Frame::plan(&rim.contour.positions());
+    let lifted = fill_in_frame(rim, frame, pockets, params, solver)?;
+    finish(&rim.contour, lifted, Filler::Delaunay)
 }
 
 fn fill_in_plane(
-    contour: &Contour,
+    rim: &Welded<'_>,
     frame: Frame,
     params: &FillParams,
     solver: &dyn Solver,
 ) -> Result<Filled, FillError> {
-    let lifted = fill_in_frame(contour, frame, false, params, solver)?;
-    finish(contour, lifted, Filler::Plane)
+    let lifted = fill_in_frame(rim, frame, Pockets::Refused, params, solver)?;
+    finish(&rim.contour, lifted, Filler::Plane)
 }
 
-fn fill_in_space(contour: &Contour, params: &FillParams, solver: &dyn Solver) -> Result<Filled, FillError> {
-    if !contour.inner.is_empty() || contour.len() > LARGEST_RING {
-        return Err(space_refusal(contour));
+fn fill_in_space(rim: &Welded<'_>, params: &FillParams, solver: &dyn Solver) -> Result<Filled, FillError> {
+    if let Some(refusal) = space_refusal(rim) {
+        return Err(refusal);
     }
-    let patch = min_area_patch(contour, params, solver)?;
-    finish(contour, Lifted { patch, vertical: vec![] }, Filler::MinArea)
+    let patch = min_area_patch(&rim.contour, params, solver)?;
+    finish(&rim.contour, Lifted { patch, vertical: vec![] }, Filler::MinArea)
 }
 
-fn space_refusal(contour: &Contour) -> FillError {
-    if contour.len() > LARGEST_RING {
-        FillError::TooManyVertices { vertices: contour.len(), limit: LARGEST_RING }
+/// Why the 3D triangulation does not take a contour.
+fn space_refusal(rim: &Welded<'_>) -> Option<FillError> {
+    let vertices = rim.contour.len();
+    if vertices > LARGEST_RING {
+        Some(FillError::TooManyVertices { vertices, limit: LARGEST_RING })
+    } else if !rim.contour.inner.is_empty() {
+        Some(FillError::IslandsIn3d)
     } else {
-        FillError::IslandsIn3d
+        rim.touches.then_some(FillError::TouchingIn3d)
     }
 }
 
@@ -157,9 +191,7 @@ fn check_input(contour: &Contour, params: &FillParams) -> Result<(), FillError> 
 
 /// Refuses a contour that clearly looks down: the outer rim of a floating layer, not a hole.
 fn check_direction(contour: &Contour) -> Result<(), FillError> {
-    let outer: Vec<DVec3> = contour.outer.vertices.iter().map(|v| v.position).collect();
-    let area = vector_area(&outer);
-    if area.z < -LEVEL * area.length() {
+    if level(contour) < -LEVEL {
         return Err(FillError::BadRings { what: "the outer ring runs the wrong way round".to_owned() });
     }
     Ok(())
@@ -170,9 +202,7 @@ const LARGEST_COORDINATE_M: f64 = 1e12;
 
 /// True if the rim's triangles look up over nearly all of its length, or the contour itself is level (algorithms B.7).
 fn is_plan_trusted(contour: &Contour) -> bool {
-    let outer: Vec<DVec3> = contour.outer.vertices.iter().map(|v| v.position).collect();
-    let area = vector_area(&outer);
-    if area.z >= LEVEL * area.length() {
+    if level(contour) >= LEVEL {
         return true;
     }
     let (mut upright, mut total) = (0.0, 0.0);

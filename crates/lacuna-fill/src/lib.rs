@@ -24,9 +24,10 @@ mod smooth;
 mod space_mesh;
 mod surface;
 mod topology;
+mod weld;
 
 pub use adjust::{Freedom, adjust};
-pub use error::FillError;
+pub use error::{Crossing, FillError};
 pub use fill::{Filled, Filler, fill};
 pub use heights::{HeightProblem, Smoothness, solve_heights};
 pub use params::{FillParams, FillerChoice, HeightRule};

@@ -3,14 +3,15 @@
 use crate::delaunay::triangulate;
 use crate::forbidden::split_forbidden;
 use crate::frame::Frame;
-use crate::plan::{PlanRings, plan_rings};
+use crate::plan::{PlanRings, Pockets, plan_rings};
 use crate::plan_mesh::PlanMesh;
 use crate::refine::{SizeRule, refine};
 use crate::smooth::smooth;
 use crate::surface::patch_heights;
+use crate::weld::Welded;
 use crate::{FillError, FillParams};
 use glam::{DVec2, DVec3};
-use lacuna_mesh::{Contour, Patch};
+use lacuna_mesh::Patch;
 use lacuna_solve::Solver;
 
 /// Rounds of smoothing after each of the two refinements.
@@ -24,22 +25,22 @@ pub(crate) struct Lifted {
     pub(crate) vertical: Vec<u32>,
 }
 
-/// Fills a contour whose rings are simple in `frame` (after pockets are cut, if `with_pockets`).
+/// Fills a contour whose rings are simple in `frame` (after pockets are cut, if they may be).
 ///
 /// Steps: rings; constrained Delaunay; refinement to the rim's density and smoothing in the plane, twice; forbidden
 /// edges; heights; new vertices back to the scene's coordinates.
 pub(crate) fn fill_in_frame(
-    contour: &Contour,
+    rim: &Welded<'_>,
     frame: Frame,
-    with_pockets: bool,
+    pockets: Pockets,
     params: &FillParams,
     solver: &dyn Solver,
 ) -> Result<Lifted, FillError> {
-    let positions = contour.positions();
+    let positions = rim.contour.positions();
     let points: Vec<DVec2> = positions.iter().map(|&p| frame.local(p).truncate()).collect();
-    let plan = plan_rings(contour, &points, &positions, with_pockets)?;
-    let mesh = triangulate_and_refine(contour, frame, points, &plan, params)?;
-    let heights = patch_heights(contour, &mesh, &plan.pockets, params, solver)?;
+    let plan = plan_rings(rim, &points, &positions, pockets)?;
+    let mesh = triangulate_and_refine(rim, frame, points, &plan, params)?;
+    let heights = patch_heights(rim, &mesh, &plan.pockets, params, solver)?;
     let n = positions.len();
     let new = mesh.points[n..].iter().zip(&heights[n..]);
     let vertices = new.map(|(p, &z)| frame.world(p.extend(z))).collect();
@@ -50,7 +51,7 @@ pub(crate) fn fill_in_frame(
 }
 
 fn triangulate_and_refine(
-    contour: &Contour,
+    rim: &Welded<'_>,
     frame: Frame,
     points: Vec<DVec2>,
     plan: &PlanRings,
@@ -58,18 +59,18 @@ fn triangulate_and_refine(
 ) -> Result<PlanMesh, FillError> {
     let topology = triangulate(&points, &plan.rings)?;
     let fixed = points.len();
-    let (sizes, median) = wanted_sizes(contour, &points, params);
+    let (sizes, median) = wanted_sizes(rim, &points, params);
     let mut mesh = PlanMesh { frame, points, sizes, fixed, topology };
     let rule = size_rule(params, median);
     let limit = vertex_limit(&mesh, params, median);
     for rounds in ROUNDS {
         let left = limit.saturating_sub(mesh.points.len() - fixed);
         refine(&mut mesh, rule, left)?;
-        split_forbidden(&mut mesh, &contour.forbidden_edges)?;
+        split_forbidden(&mut mesh, &rim.contour.forbidden_edges)?;
         mesh.restore_delaunay();
         smooth(&mut mesh, rounds);
     }
-    split_forbidden(&mut mesh, &contour.forbidden_edges)?;
+    split_forbidden(&mut mesh, &rim.contour.forbidden_edges)?;
     Ok(mesh)
 }
 
@@ -86,10 +87,11 @@ fn size_rule(params: &FillParams, median: f64) -> SizeRule {
     }
 }
 
-/// Wanted length at each contour vertex (its own, or the mean of its edges if that is missing), and the median edge.
-fn wanted_sizes(contour: &Contour, points: &[DVec2], params: &FillParams) -> (Vec<f64>, f64) {
+/// Wanted length at each contour vertex (its own, or the mean of its edges if that is missing; the least one of its
+/// place), and the median edge.
+fn wanted_sizes(rim: &Welded<'_>, points: &[DVec2], params: &FillParams) -> (Vec<f64>, f64) {
     let (mut sizes, mut lengths) = (vec![], vec![]);
-    for ring in contour.rings() {
+    for ring in rim.contour.rings() {
         let (first, n) = (sizes.len(), ring.vertices.len());
         let length = |i: usize| points[first + i % n].distance(points[first + (i + 1) % n]);
         for (i, vertex) in ring.vertices.iter().enumerate() {
@@ -103,6 +105,9 @@ fn wanted_sizes(contour: &Contour, points: &[DVec2], params: &FillParams) -> (Ve
     let median = lengths[lengths.len() / 2].max(1e-6);
     let largest = params.spacing_m.unwrap_or(f64::INFINITY);
     sizes.iter_mut().for_each(|s| *s = s.min(largest).max(1e-3 * median));
+    for (v, &first) in rim.first_at_place.iter().enumerate() {
+        sizes[first as usize] = sizes[first as usize].min(sizes[v]);
+    }
     (sizes, median)
 }
 

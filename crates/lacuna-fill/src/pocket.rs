@@ -2,8 +2,9 @@
 
 use crate::FillError;
 use crate::ring_dp::{Ring3d, RingWeight, triangulate_ring};
+use crate::weld::Welded;
 use glam::{DVec2, DVec3};
-use lacuna_mesh::{Contour, Meeting, segments_cross, signed_area};
+use lacuna_mesh::{Meeting, segments_cross, signed_area};
 use std::collections::BTreeMap;
 
 /// Most vertices of a pocket's chain when it is first tried, and after widening.
@@ -21,22 +22,22 @@ pub(crate) struct RingEdge {
     pub(crate) at: u32,
 }
 
-/// Cuts pockets off rings.
+/// Cuts pockets off rings. Rings and pockets name contour vertices as they come, so that no ring names one twice.
 pub(crate) struct Cutter<'a> {
     pub(crate) rings: Vec<Vec<u32>>,
     pub(crate) pockets: Vec<[u32; 3]>,
     points: &'a [DVec2],
     positions: &'a [DVec3],
-    forbidden: &'a [[u32; 2]],
+    rim: &'a Welded<'a>,
     /// Third corner of the triangle behind each edge that is on a ring now.
     apexes: BTreeMap<[u32; 2], DVec3>,
     area: f64,
 }
 
 impl<'a> Cutter<'a> {
-    pub(crate) fn new(contour: &'a Contour, points: &'a [DVec2], positions: &'a [DVec3]) -> Self {
+    pub(crate) fn new(rim: &'a Welded<'a>, points: &'a [DVec2], positions: &'a [DVec3]) -> Self {
         let (mut rings, mut apexes, mut first) = (vec![], BTreeMap::new(), 0u32);
-        for ring in contour.rings() {
+        for ring in rim.contour.rings() {
             let n = ring.vertices.len() as u32;
             rings.push((first..first + n).collect::<Vec<u32>>());
             for (i, edge) in ring.edges.iter().enumerate() {
@@ -46,7 +47,7 @@ impl<'a> Cutter<'a> {
             first += n;
         }
         let area = signed_area(&rings[0].iter().map(|&v: &u32| points[v as usize]).collect::<Vec<_>>()).abs();
-        Self { rings, pockets: vec![], points, positions, forbidden: &contour.forbidden_edges, apexes, area }
+        Self { rings, pockets: vec![], points, positions, rim, apexes, area }
     }
 
     /// Cuts one triangle for every edge whose ends share a place in plan, on the side where it bends less (E.3.1).
@@ -128,7 +129,7 @@ impl<'a> Cutter<'a> {
     }
 
     fn is_allowed(&self, a: u32, b: u32) -> bool {
-        self.forbidden.binary_search(&[a.min(b), a.max(b)]).is_err()
+        !self.rim.is_joined(a, b)
     }
 
     fn chain(&self, r: usize, start: usize, count: usize) -> Vec<u32> {
@@ -156,7 +157,12 @@ impl<'a> Cutter<'a> {
                 let (c, d) = (ring[i], ring[(i + 1) % n]);
                 let replaced = other == r && (i + n - start % n) % n < count - 1;
                 let joins = [c, d].iter().any(|v| *v == a || *v == b);
-                replaced || joins || segments_cross(at(a), at(b), at(c), at(d)) == Meeting::Apart
+                replaced || joins || {
+                    let meeting = segments_cross(at(a), at(b), at(c), at(d));
+                    let touches = [c, d].map(|v| self.rim.first(v));
+                    let in_vertex = [a, b].iter().any(|&v| touches.contains(&self.rim.first(v)));
+                    meeting == Meeting::Apart || (meeting == Meeting::Touching && in_vertex)
+                }
             })
         })
     }
@@ -167,14 +173,7 @@ impl<'a> Cutter<'a> {
         let mut apexes: Vec<Option<DVec3>> =
             chain.windows(2).map(|w| self.apexes.get(&[w[0], w[1]]).copied()).collect();
         apexes.push(None);
-        let place = |v: u32| chain.iter().position(|&w| w == v).map(|p| p as u32);
-        let mut forbidden: Vec<[u32; 2]> = self
-            .forbidden
-            .iter()
-            .filter_map(|&[a, b]| place(a).zip(place(b)))
-            .map(|(a, b)| [a.min(b), a.max(b)])
-            .collect();
-        forbidden.sort_unstable();
+        let forbidden = self.rim.forbidden_in(&chain);
         let ring = Ring3d { points: &positions, apexes: &apexes, forbidden: &forbidden };
         let Some(triangles) = triangulate_ring(&ring, RingWeight::AngleThenArea) else {
             return Err(no_way("a pocket of the rim has no triangulation without existing edges"));

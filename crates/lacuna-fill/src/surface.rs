@@ -2,6 +2,7 @@
 
 use crate::heights::{HeightProblem, Smoothness, solve_heights};
 use crate::plan_mesh::PlanMesh;
+use crate::weld::Welded;
 use crate::{FillError, FillParams, HeightRule};
 use glam::{DVec2, DVec3};
 use lacuna_mesh::{Contour, EdgeKind};
@@ -16,18 +17,18 @@ const TENSION_STEPS: i32 = 6;
 
 /// Heights (along the frame's third axis) of all of `mesh`'s points.
 ///
-/// `contour` gives the fixed heights and the ring triangles behind the rim. A rim vertex has a row in the bi-Laplacian
+/// The contour gives the fixed heights and the ring triangles behind the rim. A rim vertex has a row in the bi-Laplacian
 /// iff patch and ring triangles close round it and none of the ring triangles is a wall or a spike; a vertex with a
 /// border edge has none (natural condition there). If heights leave the range of the data by more than
 /// `params.overshoot` of it, tension is added, then the surface is harmonic.
 pub(crate) fn patch_heights(
-    contour: &Contour,
+    rim: &Welded<'_>,
     mesh: &PlanMesh,
     pockets: &[[u32; 3]],
     params: &FillParams,
     solver: &dyn Solver,
 ) -> Result<Vec<f64>, FillError> {
-    let field = Field::new(contour, mesh, pockets);
+    let field = Field::new(rim, mesh, pockets);
     let problem = HeightProblem {
         points: &field.points,
         triangles: &field.triangles,
@@ -79,7 +80,8 @@ struct Field {
 
 impl Field {
     /// Points: those of the mesh (contour first), then the support's.
-    fn new(contour: &Contour, mesh: &PlanMesh, pockets: &[[u32; 3]]) -> Self {
+    fn new(rim: &Welded<'_>, mesh: &PlanMesh, pockets: &[[u32; 3]]) -> Self {
+        let contour = &rim.contour;
         let n = contour.len() as u32;
         let shift = mesh.points.len() as u32 - n;
         let frame = mesh.frame;
@@ -104,7 +106,7 @@ impl Field {
         }
         pockets.iter().flatten().for_each(|&v| rows[v as usize] = false);
         for v in border_vertices(contour) {
-            rows[v as usize] = false;
+            rows[rim.first(v) as usize] = false;
         }
         rows[mesh.points.len()..].fill(false);
         Self { points, triangles, fixed, rows }

@@ -128,6 +128,68 @@ fn existing_edges_are_avoided() {
 }
 
 #[test]
+fn existing_edges_are_avoided_whatever_name_their_ends_have() {
+    // Two squares that meet in a corner, whose vertices 0 and 4 are one; all four diagonals exist.
+    let at = |x: f64, y: f64| DVec3::new(x, y, 0.1 * x * y);
+    let squares = vec![
+        at(0., 0.),
+        at(4., 0.),
+        at(4., 4.),
+        at(0., 4.),
+        at(0., 0.),
+        at(-4., 0.),
+        at(-4., -4.),
+        at(0., -4.),
+    ];
+    let mut contour = contour_of(&[squares]);
+    let coarse = FillParams { spacing_m: Some(1e6), growth: 10.0, ..FillParams::default() };
+    assert_eq!(fill(&contour, &coarse, &FaerSolver).unwrap().patch.triangles.len(), 4);
+    contour.forbidden_edges = vec![[0, 6], [1, 3], [2, 4], [5, 7]];
+    let done = fill(&contour, &coarse, &FaerSolver).unwrap();
+    assert_sound("squares", &contour, &done);
+    assert_eq!(done.patch.vertices.len(), 2);
+}
+
+#[test]
+fn walls_round_an_island_are_no_reason_to_refuse() {
+    // A raster's step behind every rim edge, and one side of the rim on a roof: neither upright nor flat.
+    let mut contour = common::case("touch_once");
+    let lifted = |p: DVec3| if p.y < -4.0 { p + DVec3::Z * 40.0 } else { p };
+    contour = mapped(&contour, lifted);
+    for ring in std::iter::once(&mut contour.outer).chain(&mut contour.inner) {
+        for (edge, vertex) in ring.edges.iter_mut().zip(&ring.vertices) {
+            edge.apex = Some(vertex.position + DVec3::new(0.01, 0.01, 9.0));
+        }
+    }
+    let done = assert_outcome("walls", &contour, "delaunay").unwrap();
+    assert!(done.in_plan && done.vertical.is_empty());
+    let facade = mapped(&contour, |p| DVec3::new(p.x, 0.05 * p.y + 0.4 * p.z, p.y));
+    assert_outcome("facade with an island", &facade, "refused");
+}
+
+#[test]
+fn refusals_say_what_crosses_and_where() {
+    // A rim of 600 vertices that loops over itself: too large for a pocket, too long for a triangulation in space.
+    let loop_at = |i: u32| {
+        let t = std::f64::consts::TAU * f64::from(i) / 600.0;
+        let r = 10.0 + 12.0 * libm::cos(t);
+        DVec3::new(r * libm::cos(t), r * libm::sin(t), libm::sin(3.0 * t))
+    };
+    let limacon = contour_of(&[(0..600).map(loop_at).collect()]);
+    let mut across = common::case("touch_once");
+    across.inner[0].vertices.iter_mut().for_each(|v| v.position.x += 1.25);
+    let crossing = common::case("crossing_in_vertices");
+    for (name, contour, words) in [
+        ("limacon", limacon, "no chord cuts off what hangs over"),
+        ("island across", across, "an island hangs over another ring"),
+        ("crossing in vertices", started_at(&crossing, 3), "cross each other in a vertex"),
+    ] {
+        let said = run(&contour).unwrap_err().to_string();
+        assert!(said.contains(words) && said.contains(" at "), "{name}: {said}");
+    }
+}
+
+#[test]
 fn pockets_are_recorded() {
     for (name, least) in [("vertical_edges", 3), ("overhang", 2), ("duplicate_xy", 2)] {
         let done = run(&common::case(name)).unwrap();
@@ -168,6 +230,7 @@ fn minimum_area_takes_rings_in_space_and_refuses_the_rest() {
     }
     let refusal = |name: &str| fill(&common::case(name), &params, &FaerSolver).unwrap_err();
     assert_eq!(refusal("island_1"), FillError::IslandsIn3d);
+    assert_eq!(refusal("two_lobes"), FillError::TouchingIn3d);
     let large: Vec<DVec3> = (0..501).map(|i| DVec3::new(f64::from(i), f64::from(i * i), 0.0)).collect();
     let refused = fill(&contour_of(&[large]), &params, &FaerSolver).unwrap_err();
     assert_eq!(refused, FillError::TooManyVertices { vertices: 501, limit: 500 });
@@ -185,10 +248,12 @@ fn nonsense_is_refused_in_words() {
         ("two vertices", vec![vec![DVec3::ZERO, DVec3::X]], "2 vertices"),
         ("not finite", vec![vec![DVec3::ZERO, DVec3::X, DVec3::NAN]], "not finite"),
         ("clockwise", vec![reversed], "wrong way round"),
-        ("no area", vec![vec![DVec3::ZERO, DVec3::X, DVec3::X * 2.0]], "crosses or touches itself"),
+        ("no area", vec![vec![DVec3::ZERO, DVec3::X, DVec3::X * 2.0]], "stands upright"),
         ("island outside", vec![square.clone(), outside], "outside"),
-        ("island across", vec![square.clone(), across], "crosses or touches"),
-        ("island in island", vec![square.clone(), small, within], "another island"),
+        ("island across", vec![square.clone(), across], "hangs over another ring"),
+        ("island in island", vec![square.clone(), small.clone(), within], "another island"),
+        ("island twice", vec![square.clone(), small.clone(), small], "two edges join"),
+        ("vertex twice in a row", vec![[&square[..1], &square[..]].concat()], "no length"),
     ];
     for (name, rings, words) in table {
         let contour = contour_of(&rings);

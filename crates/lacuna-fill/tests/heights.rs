@@ -52,7 +52,10 @@ fn largest_error(done: &Filled, z: impl Fn(DVec2) -> f64) -> f64 {
 fn planes_are_reproduced() {
     let plane = |p: DVec2| 40.0 + 0.3 * p.x - 0.7 * p.y;
     for rule in [HeightRule::Biharmonic, HeightRule::Harmonic] {
-        for name in ["convex", "l_shape", "star", "spiral", "islands_3", "ragged", "needle"] {
+        let simple = ["convex", "l_shape", "star", "spiral", "islands_3", "ragged", "needle"];
+        let touching =
+            ["touch_once", "touch_twice", "touch_three", "ring_of_islands", "two_lobes", "closed_atoll"];
+        for name in simple.into_iter().chain(touching) {
             let contour = mapped(&case(name), |p| p.truncate().extend(plane(p.truncate())));
             let done = run(&contour, rule, 0.25);
             assert!(

@@ -5,6 +5,7 @@
 use glam::{DQuat, DVec2, DVec3};
 use lacuna_fill::Filled;
 use lacuna_mesh::{Contour, ContourEdge, ContourRing, ContourVertex, EdgeKind};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// A contour of the table.
@@ -105,41 +106,75 @@ pub fn started_at(contour: &Contour, by: usize) -> Contour {
 }
 
 /// Asserts what `fill` promises beyond its own check: counts, orientation in plan, area, edges used, quality facts.
+/// Contour vertices at one place are one.
 pub fn assert_sound(name: &str, contour: &Contour, done: &Filled) {
-    let n = contour.len();
     let mut points = contour.positions();
     points.extend(&done.patch.vertices);
-    let mut edges = std::collections::BTreeMap::new();
-    for &[a, b, c] in &done.patch.triangles {
+    let first = first_at_place(&points);
+    let place = |v: u32| first[v as usize];
+    let mut edges = BTreeMap::new();
+    for &triangle in &done.patch.triangles {
+        let [a, b, c] = triangle.map(place);
         for (from, to) in [(a, b), (b, c), (c, a)] {
             assert!(edges.insert((from, to), ()).is_none(), "{name}: edge {from}-{to} is used twice");
         }
     }
-    let mut rim = 0;
-    let mut first = 0u32;
-    for ring in contour.rings() {
-        let count = ring.vertices.len() as u32;
-        for i in 0..count {
-            let (from, to) = (first + i, first + (i + 1) % count);
+    let rings = numbered_rings(contour, &first);
+    for ring in &rings {
+        for (i, &from) in ring.iter().enumerate() {
+            let to = ring[(i + 1) % ring.len()];
             assert!(edges.contains_key(&(from, to)), "{name}: rim edge {from}-{to} is open");
             assert!(!edges.contains_key(&(to, from)), "{name}: rim edge {from}-{to} has two triangles");
-            rim += 1;
         }
-        first += count;
     }
     let open = edges.keys().filter(|(a, b)| !edges.contains_key(&(*b, *a))).count();
-    assert_eq!(open, rim, "{name}: inner edges are open");
+    assert_eq!(open, contour.len(), "{name}: inner edges are open");
     let undirected = (edges.len() + open) / 2;
-    let euler = points.len() as i64 - undirected as i64 + done.patch.triangles.len() as i64;
-    assert_eq!(euler, 1 - contour.inner.len() as i64, "{name}: Euler number");
+    let places = first.iter().enumerate().filter(|&(v, &f)| v as u32 == f).count();
+    let euler = places as i64 - undirected as i64 + done.patch.triangles.len() as i64;
+    // A plane set in one piece has as many holes as the rings have clockwise loops.
+    let islands = rings.iter().flat_map(|r| simple_loops(r)).filter(|l| is_clockwise(l, &points)).count();
+    let islands = if done.in_plan { islands } else { contour.inner.len() };
+    assert_eq!(euler, 1 - islands as i64, "{name}: Euler number");
     for pair in &contour.forbidden_edges {
-        assert!(!edges.contains_key(&(pair[0], pair[1])), "{name}: existing edge {pair:?} is used");
+        let [a, b] = pair.map(place);
+        let is_contour = edges.contains_key(&(a, b)) != edges.contains_key(&(b, a));
+        assert!(is_contour || !edges.contains_key(&(a, b)), "{name}: existing edge {pair:?} is used");
     }
     if done.in_plan {
         assert_plan_area(name, contour, done, &points);
     }
     assert!(done.patch.vertices.iter().all(|p| p.is_finite()), "{name}");
-    assert!(n + done.patch.vertices.len() == points.len());
+}
+
+/// For each point the first one with the same coordinates.
+fn first_at_place(points: &[DVec3]) -> Vec<u32> {
+    let mut known = BTreeMap::new();
+    let bits = |p: &DVec3| p.to_array().map(|x| (x + 0.0).to_bits());
+    points.iter().zip(0..).map(|(p, v)| *known.entry(bits(p)).or_insert(v)).collect()
+}
+
+/// The places of each ring's vertices.
+fn numbered_rings(contour: &Contour, first: &[u32]) -> Vec<Vec<u32>> {
+    let mut places = first.iter().copied();
+    contour.rings().map(|r| places.by_ref().take(r.vertices.len()).collect()).collect()
+}
+
+/// Cuts a ring into loops without repeated places.
+fn simple_loops(ring: &[u32]) -> Vec<Vec<u32>> {
+    let (mut walk, mut loops) = (Vec::<u32>::new(), vec![]);
+    for &v in ring.iter().chain(&ring[..1]) {
+        if let Some(at) = walk.iter().position(|&w| w == v) {
+            loops.push(walk.split_off(at));
+        }
+        walk.push(v);
+    }
+    loops
+}
+
+fn is_clockwise(ring: &[u32], points: &[DVec3]) -> bool {
+    let at = |v: u32| points[v as usize].truncate() - points[ring[0] as usize].truncate();
+    ring.windows(2).map(|w| at(w[0]).perp_dot(at(w[1]))).sum::<f64>() < 0.0
 }
 
 /// Triangles seen from above must cover the outer ring less the islands exactly once.
