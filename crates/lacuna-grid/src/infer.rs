@@ -56,10 +56,16 @@ pub enum GridError {
          grid is wrong"
     )]
     TwoTiles(String, String, CellId),
+    /// A cell number that no scene has.
+    #[error("tile {0} names a cell farther than a million cells out; rename it or leave it out")]
+    FarIndex(String),
     /// The flags make no sense.
     #[error("the cell size must be a positive number of metres, not {0}")]
     BadSize(f64),
 }
+
+/// Largest cell number, either sign.
+const LARGEST_INDEX: u32 = 1_000_000;
 
 /// Finds origin, size and the cell of every tile.
 ///
@@ -74,6 +80,10 @@ pub fn infer_grid(tiles: &[TileBox], hints: GridHints) -> Result<InferredGrid, G
         && !(size.is_finite() && size > 0.0)
     {
         return Err(GridError::BadSize(size));
+    }
+    let far = |t: &&TileBox| t.index.is_some_and(|(i, j)| i.abs_diff(0).max(j.abs_diff(0)) > LARGEST_INDEX);
+    if let Some(tile) = tiles.iter().find(far) {
+        return Err(GridError::FarIndex(tile.name.clone()));
     }
     if !tiles.iter().any(has_box) {
         return Err(GridError::NoBoxes);

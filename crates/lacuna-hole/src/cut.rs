@@ -71,7 +71,8 @@ fn facing_edges(
     gap_m: f64,
 ) -> Vec<u32> {
     let reach = (gap_m / PLANE_M).ceil() as i64;
-    let others: Vec<&PlanarEdge> = planes.range(key - reach..=key + reach).flat_map(|p| p.1).collect();
+    let others: Vec<&PlanarEdge> =
+        planes.range(key.saturating_sub(reach)..=key.saturating_add(reach)).flat_map(|p| p.1).collect();
     let side = |e: &PlanarEdge| {
         let apex = survey.boundary.edges[e.edge as usize].apex;
         (apex[axis] - e.from[axis]).signum()

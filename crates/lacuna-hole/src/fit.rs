@@ -47,6 +47,9 @@ impl BorderFit {
 /// Width of a histogram bin for the margin, metres.
 const BIN_M: f64 = 0.0005;
 
+/// Bins up to a margin of 500 m.
+const MOST_BINS: usize = 1_000_000;
+
 /// Measures how tiles meet their borders: overrun first (one peak of the offsets holds 40 % of the vertices near a
 /// side), then exact (80 % of the length that runs along a side lies on it), overlap, ragged.
 #[must_use]
@@ -123,10 +126,10 @@ fn offset_along_side(domain: &Domain, a: DVec3, b: DVec3, near: f64) -> Option<f
 
 /// The margin that at least 40 % of the edges near a side share, if it lies in (0.5 mm, 2 % of the cell].
 fn overrun_peak(offsets: &[(f64, f64)], cell_size_m: f64) -> Option<f64> {
-    let bins = (0.02 * cell_size_m / BIN_M).ceil() as usize + 1;
+    let bins = ((0.02 * cell_size_m / BIN_M).ceil() as usize).min(MOST_BINS) + 1;
     let mut histogram = vec![0u64; bins + 1];
     for (offset, _) in offsets.iter().filter(|(o, _)| *o > BIN_M && *o <= 0.02 * cell_size_m) {
-        histogram[(offset / BIN_M) as usize] += 1;
+        histogram[((offset / BIN_M) as usize).min(bins)] += 1;
     }
     // Two neighbouring bins, so that a margin on a bin's edge is one peak.
     let (best, count) = (0..bins)

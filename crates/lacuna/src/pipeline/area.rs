@@ -9,7 +9,8 @@ use std::collections::BTreeSet;
 
 /// The area that the settings ask for: the cells that have tiles (unreadable ones too), the box of all vertices, or
 /// polygons; then missing cells that lie wholly inside them belong to it too.
-pub(crate) fn area(scanned: &Scanned, limit: &AreaLimit, srs_origin: DVec2) -> Area {
+/// `margin_m` is how far tiles run past their cells: no cell lies in that margin alone.
+pub(crate) fn area(scanned: &Scanned, limit: &AreaLimit, srs_origin: DVec2, margin_m: f64) -> Area {
     let present: BTreeSet<CellId> =
         scanned.surveys.keys().chain(scanned.unreadable.keys()).copied().collect();
     let grid = &scanned.grid.grid;
@@ -17,7 +18,9 @@ pub(crate) fn area(scanned: &Scanned, limit: &AreaLimit, srs_origin: DVec2) -> A
         AreaLimit::Cells => Area::of_cells(&present),
         AreaLimit::Box => {
             let b = &scanned.bounds;
-            Area::of_box(&present, grid, b.min.truncate(), b.max.truncate())
+            let (low, high) = (b.min.truncate(), b.max.truncate());
+            let inner = Area::of_box(&present, grid, low + margin_m, high - margin_m);
+            Area { cells: inner.cells, limit: GridLimit::Box(low, high) }
         }
         AreaLimit::Polygon(file) => {
             let polygons = file.in_scene(srs_origin);

@@ -68,13 +68,20 @@ impl<'a> Context<'a> {
     pub(crate) fn budget_beside(&self, kept_bytes: u64) -> MemoryBudget {
         lacuna_system::trim();
         let resident = lacuna_system::current_rss_bytes().unwrap_or(BASE_BYTES).max(BASE_BYTES);
-        MemoryBudget::new(self.settings.run.memory_limit_bytes.saturating_sub(resident + kept_bytes))
+        MemoryBudget::new(
+            self.settings.run.memory_limit_bytes.saturating_sub(resident.saturating_add(kept_bytes)),
+        )
     }
 
     /// The error for a job that a stage's budget does not hold, with the limit that would.
     pub(crate) fn memory_too_small(&self, what: &str, needed_bytes: u64, left_bytes: u64) -> RunError {
         let taken = self.settings.run.memory_limit_bytes.saturating_sub(left_bytes);
-        RunError::memory_too_small(what, needed_bytes, left_bytes, taken + needed_bytes + SLACK_BYTES)
+        RunError::memory_too_small(
+            what,
+            needed_bytes,
+            left_bytes,
+            taken.saturating_add(needed_bytes).saturating_add(SLACK_BYTES),
+        )
     }
 
     /// An error if the user asked to stop.

@@ -15,7 +15,7 @@ pub(crate) const OWN_FOLDER: &str = "lacuna";
 pub(crate) struct OutDir {
     pub(crate) root: PathBuf,
     pub(crate) own: PathBuf,
-    /// What an earlier run left, if it was not overwritten.
+    /// What an earlier run left.
     pub(crate) earlier: Option<Manifest>,
     _lock: File,
 }
@@ -23,8 +23,8 @@ pub(crate) struct OutDir {
 /// Takes the output folder.
 ///
 /// Steps: refuse OUT = SCENE, OUT inside SCENE and SCENE inside OUT (by device and inode of every ancestor); make it; lock
-/// it; refuse files without a manifest; with `overwrite` delete what the manifest lists.
-pub(crate) fn take(scene: &Path, out: &Path, overwrite: bool) -> Result<OutDir, RunError> {
+/// it; refuse files without a manifest.
+pub(crate) fn take(scene: &Path, out: &Path) -> Result<OutDir, RunError> {
     refuse_nesting(scene, out)?;
     let own = out.join(OWN_FOLDER);
     let stranger = !own.join(MANIFEST).exists() && holds_files(out);
@@ -37,10 +37,7 @@ pub(crate) fn take(scene: &Path, out: &Path, overwrite: bool) -> Result<OutDir, 
     fs::create_dir_all(&own).map_err(|e| io_error("make", &own, &e))?;
     let lock = lock(&own.join(".lock"), out)?;
     remove_temporaries(out)?;
-    let mut earlier = Manifest::read(&own.join(MANIFEST))?;
-    if overwrite && let Some(manifest) = earlier.take() {
-        manifest.delete_listed(out)?;
-    }
+    let earlier = Manifest::read(&own.join(MANIFEST))?;
     Ok(OutDir { root: out.to_owned(), own, earlier, _lock: lock })
 }
 
@@ -78,7 +75,7 @@ fn holds_files(out: &Path) -> bool {
     })
 }
 
-fn refuse_nesting(scene: &Path, out: &Path) -> Result<(), RunError> {
+pub(crate) fn refuse_nesting(scene: &Path, out: &Path) -> Result<(), RunError> {
     let scene_chain = ancestors(scene);
     let out_chain = ancestors(out);
     let (Some(scene_self), out_self) = (scene_chain.first(), identity(out)) else {

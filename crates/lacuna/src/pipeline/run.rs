@@ -13,7 +13,7 @@ use super::out_dir::{self, OutDir};
 use super::outputs::write_report;
 use super::preview::scene_rasters;
 use super::scan::{Scanned, scan};
-use super::select::{Decision, Places, fill_settings, select};
+use super::select::{Decision, Places, fill_settings, refuse_unmatched, select};
 use super::solve::{Fills, Solved, solve};
 use super::write::{WriteInput, WrittenFiles, hex, write};
 use crate::ExitCode;
@@ -64,6 +64,9 @@ pub fn inspect(
     interrupt: &Interrupt,
     progress: &Progress,
 ) -> Result<RunResult, RunError> {
+    if let Some(folder) = report {
+        out_dir::refuse_nesting(&settings.scene.input, folder)?;
+    }
     let context = Context::new(settings, interrupt, progress)?;
     let mut stages = Stages::default();
     let mut planned = scan_and_plan(&context, &mut stages)?;
@@ -99,7 +102,8 @@ pub fn repair(
     }
     let context = Context::new(settings, interrupt, progress)?;
     let mut stages = Stages::default();
-    let out = out_dir::take(&settings.scene.input, out, settings.run.overwrite)?;
+    let out = out_dir::take(&settings.scene.input, out)?;
+    refuse_partial_rerun(settings, &out)?;
     let planned = scan_and_plan(&context, &mut stages)?;
     let solved = stages.measure("fill", || fill(&planned, &context))?;
     let (written, refused) =
@@ -109,13 +113,27 @@ pub fn repair(
     Ok(result)
 }
 
+/// A run of a part would leave out what an earlier run repaired elsewhere.
+fn refuse_partial_rerun(settings: &Settings, out: &OutDir) -> Result<(), RunError> {
+    if settings.selection.is_whole_scene() || settings.run.overwrite || out.earlier.is_none() {
+        return Ok(());
+    }
+    Err(RunError::usage(format!(
+        "{} holds an earlier run, and this version can't repair a part of it again; give a new folder, or --overwrite to \
+         start anew",
+        out.root.display()
+    )))
+}
+
 fn scan_and_plan(context: &Context<'_>, stages: &mut Stages) -> Result<Planned, RunError> {
     let settings = context.settings;
-    let options = SceneOptions { follow_symlinks: false };
+    let options = SceneOptions { follow_symlinks: !settings.run.untrusted };
     let scene = open_scene(&settings.scene.input, &options).map_err(scene_error)?;
     scene.warnings.iter().for_each(|w| tracing::warn!("{w}"));
     let scanned = stages.measure("scan", || scan(&scene, context))?;
-    stages.measure("plan", || make_plan(scene, scanned, context))
+    let planned = stages.measure("plan", || make_plan(scene, scanned, context))?;
+    context.check_stop()?;
+    Ok(planned)
 }
 
 pub(crate) fn scene_error(error: SceneError) -> RunError {
@@ -130,11 +148,12 @@ fn make_plan(scene: Scene, scanned: Scanned, context: &Context<'_>) -> Result<Pl
     let settings = context.settings;
     let origin = settings.scene.srs_origin.or_else(|| scene.metadata.as_ref().map(|m| m.srs_origin));
     let srs_origin = origin.map_or(DVec2::ZERO, |o| DVec2::new(o[0], o[1]));
-    let area = area(&scanned, &settings.area.limit, srs_origin);
+    let fit = fit_borders(&scanned.surveys, &scanned.grid.grid);
+    let area = area(&scanned, &settings.area.limit, srs_origin, fit.margin_m);
     let unreadable = scanned.unreadable_cells(&area.cells);
     let options = PlanOptions {
         grid: scanned.grid.grid,
-        fit: fit_borders(&scanned.surveys, &scanned.grid.grid),
+        fit,
         // A lake as a person sees it: holes that meet, not all holes of neighbouring cells.
         rule: ClusterRule::Interval,
         unreadable,
@@ -145,6 +164,7 @@ fn make_plan(scene: Scene, scanned: Scanned, context: &Context<'_>) -> Result<Pl
     let hollow_names = hollow.iter().map(|(c, (_, path))| (*c, stem(path))).collect();
     let names = Names::new(&plan, &scanned.tiles, &hollow_names, srs_origin);
     let places = Places::new(settings, srs_origin);
+    refuse_unmatched(&plan, &names, settings, &places)?;
     let decisions = select(&plan, &names, settings, &places);
     Ok(Planned { scene, scanned, plan, names, decisions, places, hollow, srs_origin })
 }
@@ -205,7 +225,9 @@ fn write_all(
     out: &OutDir,
     context: &Context<'_>,
 ) -> Result<(WrittenFiles, BTreeMap<CellId, String>), RunError> {
-    let manifest = start_manifest(planned, context)?;
+    let mut manifest = start_manifest(planned, context)?;
+    // Until the new list stands, the old one tells what is lacuna's in OUT.
+    manifest.outputs = out.earlier.as_ref().map_or_else(Vec::new, |e| e.outputs.clone());
     manifest.write(&out.own.join(MANIFEST))?;
     let mut refused: BTreeMap<CellId, String> = BTreeMap::new();
     loop {
@@ -227,8 +249,17 @@ fn write_all(
             remove_stale(out, &written)?;
             return Ok((written, refused));
         }
+        // The tiles that this round did patch may belong to clusters that are dropped now.
+        delete_changed(out, &written)?;
         refused.extend(written.refused);
     }
+}
+
+/// Deletes the patched tiles of a round that is done again.
+fn delete_changed(out: &OutDir, written: &WrittenFiles) -> Result<(), RunError> {
+    let mut patched = Manifest::new(String::new());
+    patched.outputs = written.outputs.iter().filter(|f| f.changed).cloned().collect();
+    patched.delete_listed(&out.root)
 }
 
 /// Files that an earlier run wrote and this one did not.
@@ -315,7 +346,7 @@ fn finish(
     let (before, after) = scene_rasters(&scanned.previews, &scanned.bounds, fills, &written);
     drawing.before = Some(before);
     drawing.after = Some(after);
-    let exit = exit_code(&report, settings.run.fail_on);
+    let exit = exit_code(&report, settings.run.fail_on, !refused.is_empty());
     RunResult { report, drawing, exit }
 }
 
@@ -349,8 +380,8 @@ fn changed_tiles(planned: &Planned, outcomes: &[HoleOutcome]) -> Vec<String> {
     paths.into_iter().collect()
 }
 
-fn exit_code(report: &Report, fail_on: FailOn) -> ExitCode {
-    let bad_tile = report.defects.iter().any(|d| d.unusable);
+fn exit_code(report: &Report, fail_on: FailOn, tile_refused: bool) -> ExitCode {
+    let bad_tile = tile_refused || report.defects.iter().any(|d| d.unusable);
     let failed = report.summary.failed > 0;
     match fail_on {
         FailOn::Never => ExitCode::Done,

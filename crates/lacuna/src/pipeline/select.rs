@@ -1,5 +1,6 @@
 //! Which clusters a run fills, and why it leaves the others. Every rule looks at the whole cluster (decisions 4).
 
+use super::RunError;
 use super::names::Names;
 use crate::config::{
     External, FillSettings, HoleClassFilter, HoleShapeFilter, Region, RegionPlace, Settings,
@@ -46,6 +47,30 @@ pub(crate) fn select(plan: &Plan, names: &Names, settings: &Settings, places: &P
     (0..plan.clusters.len())
         .map(|c| selector.reason_to_skip(c).map_or(Decision::Fill, Decision::Skip))
         .collect()
+}
+
+/// An error if the run is limited to a place, hole or tile that the scene has not.
+pub(crate) fn refuse_unmatched(
+    plan: &Plan,
+    names: &Names,
+    settings: &Settings,
+    places: &Places,
+) -> Result<(), RunError> {
+    let selection = &settings.selection;
+    let problem =
+        |what: String| Err(RunError::usage(format!("{what}; `lacuna inspect` lists what there is")));
+    for id in &selection.holes {
+        if !names.clusters.contains(id) && !names.holes.iter().any(|h| h.id == *id) {
+            return problem(format!("there is no hole or cluster {}", id.escape_debug()));
+        }
+    }
+    for &[x, y] in &selection.at {
+        let pins = places.readings(DVec2::new(x, y));
+        if !plan.clusters.iter().any(|c| pins.iter().any(|&p| holds(plan, c, p))) {
+            return problem(format!("there is no hole at {x},{y}"));
+        }
+    }
+    Ok(())
 }
 
 /// Fill settings of a cluster: those of the last region that it lies in, else the scene's.
