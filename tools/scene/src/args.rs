@@ -24,16 +24,6 @@ pub(crate) enum Verb {
     Make(MakeArgs),
     /// Dig discs into an existing scene of binary PLY or OBJ tiles, and keep the truth
     Dig(DigArgs),
-    /// Make the demo scene, repair it with lacuna and say where to look
-    Demo(DemoArgs),
-}
-
-/// Arguments of `demo`.
-#[derive(Debug, ClapArgs)]
-pub(crate) struct DemoArgs {
-    /// Folder of the demo; `scene` and `repaired` are made in it
-    #[arg(default_value = "demo")]
-    pub(crate) folder: PathBuf,
 }
 
 /// Arguments of `dig`.

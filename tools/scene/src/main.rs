@@ -2,7 +2,6 @@
 #![allow(clippy::print_stdout, reason = "the command line prints its results")]
 
 mod args;
-mod demo;
 
 use anyhow::Result;
 use args::{Args, Verb};
@@ -25,7 +24,6 @@ fn main() -> Result<()> {
             );
             println!("faces taken by each disc: {:?}", summary.removed);
         }
-        Verb::Demo(args) => demo::demo(&args.folder)?,
     }
     Ok(())
 }

@@ -1,10 +1,14 @@
-//! `scene demo`: makes the demo scene, has lacuna repair it, and says where to look.
+//! `cargo demo [FOLDER]`: makes the demo scene, has lacuna repair it, and says where to look.
+//!
+//! It is built as a test without a harness, so that it and `cargo test --workspace` compile nothing twice; `cargo test`
+//! alone does not run it.
+#![allow(clippy::print_stdout, reason = "the command line prints its results")]
 
 use anyhow::{Context, Result, bail};
 use scene::make::{Summary, make};
 use scene::maker::{MakeOptions, Maker};
 use scene::preset::Preset;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Triangles of a cell: fine enough for a good picture, repaired in a second.
@@ -13,14 +17,15 @@ const TRIANGLES: u64 = 8_000;
 /// Buildings tried in each cell.
 const BUILDINGS: u32 = 12;
 
-/// Makes `folder/scene`, repairs it into `folder/repaired` with the table on stdout, and prints where to look.
-///
-/// Steps: an earlier demo scene in that place is made anew; then `cargo run --package lacuna`, so that a fresh checkout
-/// needs no second command.
-///
-/// # Errors
-/// A folder `scene` that holds something else, files that cannot be written, or a repair that fails.
-pub(crate) fn demo(folder: &Path) -> Result<()> {
+fn main() -> Result<()> {
+    // Cargo starts tests in the folder of their crate; paths of the demo are counted from the checkout's root.
+    std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))?;
+    demo(&std::env::args_os().nth(1).map_or_else(|| PathBuf::from("demo"), PathBuf::from))
+}
+
+/// Makes `folder/scene`, repairs it into `folder/repaired` with the table on stdout, and prints where to look. The scene
+/// of an earlier demo in that place is made anew.
+fn demo(folder: &Path) -> Result<()> {
     let (scene, repaired) = (folder.join("scene"), folder.join("repaired"));
     clear_earlier(&scene)?;
     let options =
@@ -58,15 +63,10 @@ fn clear_earlier(scene: &Path) -> Result<()> {
     std::fs::remove_dir_all(scene).with_context(|| format!("cannot remove {}", scene.display()))
 }
 
-/// Runs `lacuna repair` through the cargo that runs this program, built like it.
 fn repair(scene: &Path, repaired: &Path) -> Result<()> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml");
-    let profile = if cfg!(debug_assertions) { "test" } else { "release" };
-    let mut command = Command::new(cargo);
-    command.args(["run", "--profile", profile, "--package", "lacuna", "--manifest-path", manifest]);
-    command.args(["--", "repair", "--progress", "none"]).arg(scene).arg(repaired);
-    let status = command.status().context("cannot start cargo")?;
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lacuna"));
+    command.args(["repair", "--progress", "none"]).arg(scene).arg(repaired);
+    let status = command.status().context("cannot start lacuna")?;
     if !status.success() {
         bail!("the repair ended with {status}");
     }
