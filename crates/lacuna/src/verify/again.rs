@@ -23,7 +23,9 @@ pub(super) fn check_again(
     let Some(mut settings) = settings_of(&report.configuration) else { return Ok(None) };
     let folder = tempfile::tempdir().map_err(|e| RunError {
         exit: ExitCode::InputOutput,
-        message: format!("no temporary folder to repair again in: {e}; give --no-again, or free some space"),
+        message: format!(
+            "no temporary folder to repair again in: {e}; free some space, or let TMPDIR name another folder"
+        ),
     })?;
     let again = folder.path().join("out");
     settings.scene.input = scene.to_owned();

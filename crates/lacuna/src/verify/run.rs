@@ -280,6 +280,9 @@ fn seams(
         BorderMode::Ragged | BorderMode::Overlap => Findings::default(),
     };
     findings.note(format!("tiles meet their borders: {:?}", layout.fit.mode).to_lowercase());
+    if matches!(layout.fit.mode, BorderMode::Ragged | BorderMode::Overlap) {
+        findings.note("such tiles share no border vertices, and their overlap has no fixed width to compare");
+    }
     let is_judged = findings.counted("border vertices") + findings.counted("samples") > 0;
     findings.into_result(4, TITLES[3], is_judged)
 }

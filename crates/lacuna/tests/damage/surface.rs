@@ -34,6 +34,12 @@ pub(crate) fn pull_border_vertex(tile: &mut PlyTile) {
     tile.vertices[v][0] -= 1e-3;
 }
 
+/// Lifts the new vertices beyond x = 99.5 by 2 mm, those next to the rim too.
+pub(crate) fn raise_overlap(tile: &mut PlyTile) {
+    let first = tile.old_vertices;
+    tile.vertices[first..].iter_mut().filter(|p| p[0] > 99.5).for_each(|p| p[2] += 2e-3);
+}
+
 /// Splits a patch edge that `wanted` accepts at its middle.
 fn split_edge(tile: &mut PlyTile, wanted: impl Fn(&PlyTile, u32, u32) -> bool) {
     for f in tile.old_faces..tile.faces.len() {
