@@ -155,7 +155,7 @@ impl HoleFiller<'_> {
         let contour = contour(self.surveys, self.plan, record, curves, &round)
             .map_err(|e| NotFilled { is_refusal: true, reason: e.to_string() })?;
         let params = params(&(self.settings_of)(hole), record.class);
-        let solver = FaerSolver::default();
+        let solver = FaerSolver;
         let mut filled = fill(&contour.contour, &params, &solver).map_err(|e| refused(&e))?;
         self.round(record.cell, &contour, &mut filled)?;
         add_strip(&contour, &mut filled.patch);
