@@ -205,10 +205,10 @@ fn another_result_of_the_same_run_breaks_promise_3() {
 #[test]
 fn damages_to_obj_and_glb_break_the_right_promise() {
     for (format, marker, change) in [
-        (Format::Obj, "v ", obj_vertex as fn(&mut Vec<u8>)),
-        (Format::Obj, "# hole", |b: &mut Vec<u8>| replace_last(b, b"# hole ", b"# Hole ")),
-        (Format::Glb, "BIN", |b: &mut Vec<u8>| invert_byte(b, b"BIN\0", 12)),
-        (Format::Glb, "hole", |b: &mut Vec<u8>| replace_last(b, b"\"hole\":", b"\"holl\":")),
+        (Format::Obj, "v ", obj_vertex as fn(&mut [u8])),
+        (Format::Obj, "# hole", |b: &mut [u8]| replace_last(b, b"# hole ", b"# Hole ")),
+        (Format::Glb, "BIN", |b: &mut [u8]| invert_byte(b, b"BIN\0", 12)),
+        (Format::Glb, "hole", |b: &mut [u8]| replace_last(b, b"\"hole\":", b"\"holl\":")),
     ] {
         let (scene, out) = repaired(made(MakeOptions { format, ..MakeOptions::new(Preset::Small) }), &[]);
         let path = tile_of(&out, CLOSED).with_extension(format.extension());
@@ -294,7 +294,7 @@ fn rename_mark(line: &mut String) {
 }
 
 /// Another digit in the first vertex line.
-fn obj_vertex(bytes: &mut Vec<u8>) {
+fn obj_vertex(bytes: &mut [u8]) {
     let start = bytes.windows(3).position(|w| w == b"\nv ").expect("a vertex") + 3;
     let digit = start + bytes[start..].iter().position(u8::is_ascii_digit).expect("a digit");
     bytes[digit] = if bytes[digit] == b'9' { b'8' } else { bytes[digit] + 1 };
