@@ -4,8 +4,8 @@ use crate::FillError;
 use crate::error::Crossing;
 use crate::topology::{NONE, Topology};
 use glam::DVec2;
-use spade::handles::FixedFaceHandle;
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+use spade::handles::{FixedFaceHandle, FixedVertexHandle};
+use spade::{ConstrainedDelaunayTriangulation, InsertionError, Point2, Triangulation};
 use std::collections::VecDeque;
 
 /// Triangulates what the rings enclose, every ring edge a constraint: faces reached from outside over an odd number of
@@ -20,23 +20,49 @@ use std::collections::VecDeque;
 /// common vertex; [`FillError::Malformed`] for coordinates out of range.
 pub(crate) fn triangulate(points: &[DVec2], rings: &[Vec<u32>]) -> Result<Topology, FillError> {
     let (used, edges) = number_through(points.len(), rings);
-    let vertices: Vec<Point2<f64>> =
+    let places: Vec<Point2<f64>> =
         used.iter().map(|&v| Point2::new(points[v as usize].x, points[v as usize].y)).collect();
-    let mut refused = None;
-    let cdt =
-        ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges.clone(), |edge| {
-            refused = refused.or(Some(edge[0]))
-        })
-        .map_err(|e| FillError::Malformed { what: e.to_string() })?;
-    if let Some(at) = refused {
-        return Err(crossing(used.get(at).copied().unwrap_or(0)));
-    }
-    if cdt.num_vertices() != used.len() || cdt.num_constraints() != edges.len() {
+    let mut cdt = Triangulated::new();
+    let handles = insert_coarse_to_fine(&mut cdt, &places)?;
+    if cdt.num_vertices() != used.len() {
         return Err(crossing(used[0]));
     }
-    let topology = Topology::new(&inner_triangles(&cdt, &used));
+    for [from, to] in &edges {
+        if cdt.try_add_constraint(handles[*from], handles[*to]).is_empty() {
+            return Err(crossing(used[*from]));
+        }
+    }
+    if cdt.num_constraints() != edges.len() {
+        return Err(crossing(used[0]));
+    }
+    let mut vertex = vec![0; used.len()];
+    handles.iter().zip(&used).for_each(|(handle, &v)| vertex[handle.index()] = v);
+    let topology = Topology::new(&inner_triangles(&cdt, &vertex));
     check_boundary(&topology, rings)?;
     Ok(topology)
+}
+
+type Triangulated = ConstrainedDelaunayTriangulation<Point2<f64>>;
+
+/// Inserts every 2^k-th place first, then those half-way between, and so on, each with the place before it as a hint.
+/// A ring's neighbours are near each other, so the walk to each place is short and few edges are flipped; insertion by
+/// distance from the middle takes quadratic time on long rings.
+fn insert_coarse_to_fine(
+    cdt: &mut Triangulated,
+    places: &[Point2<f64>],
+) -> Result<Vec<FixedVertexHandle>, FillError> {
+    let malformed = |e: InsertionError| FillError::Malformed { what: e.to_string() };
+    let Some(&first) = places.first() else { return Ok(vec![]) };
+    let mut handles = vec![cdt.insert(first).map_err(malformed)?; places.len()];
+    let mut stride = places.len().next_power_of_two();
+    while stride > 1 {
+        let step = stride / 2;
+        for i in (step..places.len()).step_by(stride) {
+            handles[i] = cdt.insert_with_hint(places[i], handles[i - step]).map_err(malformed)?;
+        }
+        stride = step;
+    }
+    Ok(handles)
 }
 
 fn crossing(vertex: u32) -> FillError {
@@ -74,19 +100,19 @@ fn check_boundary(topology: &Topology, rings: &[Vec<u32>]) -> Result<(), FillErr
     }
 }
 
-fn inner_triangles(cdt: &ConstrainedDelaunayTriangulation<Point2<f64>>, used: &[u32]) -> Vec<[u32; 3]> {
+fn inner_triangles(cdt: &Triangulated, vertex: &[u32]) -> Vec<[u32; 3]> {
     let inside = parity_from_outside(cdt);
     let mut triangles: Vec<[u32; 3]> = cdt
         .inner_faces()
         .filter(|f| inside[f.fix().index()] == Some(true))
-        .map(|f| smallest_first(f.vertices().map(|v| used[v.fix().index()])))
+        .map(|f| smallest_first(f.vertices().map(|v| vertex[v.fix().index()])))
         .collect();
     triangles.sort_unstable();
     triangles
 }
 
 /// For each face whether an odd number of constraints lies between it and the outer face.
-fn parity_from_outside(cdt: &ConstrainedDelaunayTriangulation<Point2<f64>>) -> Vec<Option<bool>> {
+fn parity_from_outside(cdt: &Triangulated) -> Vec<Option<bool>> {
     let mut inside = vec![None; cdt.num_all_faces()];
     let outer = cdt.outer_face().fix();
     inside[outer.index()] = Some(false);

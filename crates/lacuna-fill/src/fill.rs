@@ -232,14 +232,13 @@ fn finish(contour: &Contour, lifted: Lifted, filler: Filler) -> Result<Filled, F
     positions.extend_from_slice(&patch.vertices);
     let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize]);
     let is_vertical = |t: usize| vertical.binary_search(&(t as u32)).is_ok();
-    let judged: Vec<[DVec3; 3]> = (0..patch.triangles.len())
-        .filter(|&t| !is_vertical(t))
-        .map(|t| corners(&patch.triangles[t]))
-        .collect();
-    if in_plan && let Some([a, ..]) = judged.iter().find(|c| !is_counter_clockwise(c)) {
+    let judged =
+        || (0..patch.triangles.len()).filter(|&t| !is_vertical(t)).map(|t| corners(&patch.triangles[t]));
+    let is_judged_later = in_plan && view == PlanView::NotJudged;
+    if is_judged_later && let Some([a, ..]) = judged().find(|c| !is_counter_clockwise(c)) {
         return Err(FillError::CheckFailed { what: format!("a triangle is turned over at {a}") });
     }
-    let quality = QualityStats::of(judged);
+    let quality = QualityStats::of(judged());
     Ok(Filled { patch, filler, vertical, in_plan, quality })
 }
 

@@ -105,17 +105,35 @@ impl PlanMesh {
 
     /// Flips inner edges until the triangulation is constrained Delaunay. All triangles must be counter-clockwise.
     pub(crate) fn restore_delaunay(&mut self) {
-        let mut stack: Vec<u32> = (0..self.topology.origin.len() as u32)
-            .filter(|&h| self.topology.twin[h as usize] > h && !self.is_delaunay(h))
-            .collect();
-        stack.reverse();
-        while let Some(h) = stack.pop() {
+        let all = (0..self.topology.origin.len() as u32).filter(|&h| self.topology.twin[h as usize] > h);
+        self.flip_until_delaunay(all.collect(), |_| {});
+    }
+
+    /// The same for a triangulation that was constrained Delaunay until some points moved. `on_flip` gets the four
+    /// vertices of every flip.
+    pub(crate) fn restore_delaunay_near(&mut self, moved: &[bool], on_flip: impl FnMut([u32; 4])) {
+        let topology = &self.topology;
+        let has_moved = |t: u32| topology.corners(t).iter().any(|&v| moved[v as usize]);
+        let near = (0..topology.origin.len() as u32).filter(|&h| {
+            let twin = topology.twin[h as usize];
+            twin > h && topology.twin(h).is_some() && (has_moved(h / 3) || has_moved(twin / 3))
+        });
+        let near = near.collect();
+        self.flip_until_delaunay(near, on_flip);
+    }
+
+    fn flip_until_delaunay(&mut self, mut suspects: Vec<u32>, mut on_flip: impl FnMut([u32; 4])) {
+        suspects.retain(|&h| !self.is_delaunay(h));
+        suspects.reverse();
+        while let Some(h) = suspects.pop() {
             if self.is_delaunay(h) {
                 continue;
             }
             let twin = self.topology.twin[h as usize];
-            self.topology.flip(h);
-            stack.extend([next(h), prev(h), next(twin), prev(twin)]);
+            let topology = &mut self.topology;
+            on_flip([topology.start(h), topology.end(h), topology.apex(h), topology.apex(twin)]);
+            topology.flip(h);
+            suspects.extend([next(h), prev(h), next(twin), prev(twin)]);
         }
     }
 }

@@ -34,11 +34,33 @@ const CLEARANCE: f64 = 0.5;
 /// # Errors
 /// [`FillError::CapReached`] when `limit` vertices have been added.
 pub(crate) fn refine(mesh: &mut PlanMesh, rule: SizeRule, limit: usize) -> Result<(), FillError> {
-    let first = mesh.points.len();
+    let most = mesh.points.len() + limit;
+    let excess = (0..mesh.topology.triangle_count() as u32).map(|t| excess(mesh, rule, t)).collect();
+    let mut sized = Sized { mesh, rule, excess };
     let capped = |_| FillError::CapReached { limit };
-    advance(mesh, rule, first + limit, Front::Only).map_err(capped)?;
+    advance(&mut sized, most, Front::Only).map_err(capped)?;
     // Where kept edges are longer than the size, the triangles at them never finish: go on without a front.
-    advance(mesh, rule, first + limit, Front::Anywhere).map_err(capped)
+    advance(&mut sized, most, Front::Anywhere).map_err(capped)
+}
+
+/// A mesh in work, and how much too large each triangle is.
+struct Sized<'a> {
+    mesh: &'a mut PlanMesh,
+    rule: SizeRule,
+    /// Circumradius of each triangle over the largest one allowed there.
+    excess: Vec<f64>,
+}
+
+impl Sized<'_> {
+    /// Inserts a vertex; `touched` then holds the triangles that were made or changed, perhaps more than once.
+    fn insert(&mut self, place: Place, p: DVec2, size: f64, touched: &mut Vec<u32>) {
+        touched.clear();
+        self.mesh.insert(place, p, size, touched);
+        self.excess.resize(self.mesh.topology.triangle_count(), 0.0);
+        for &t in touched.iter() {
+            self.excess[t as usize] = excess(self.mesh, self.rule, t);
+        }
+    }
 }
 
 /// Which triangles may ask for a vertex: those at the front, or all.
@@ -48,23 +70,23 @@ enum Front {
     Anywhere,
 }
 
-fn advance(mesh: &mut PlanMesh, rule: SizeRule, most: usize, front: Front) -> Result<(), FillError> {
-    let mut queue: VecDeque<u32> = (0..mesh.topology.triangle_count() as u32).collect();
+fn advance(sized: &mut Sized<'_>, most: usize, front: Front) -> Result<(), FillError> {
+    let mut queue: VecDeque<u32> = (0..sized.mesh.topology.triangle_count() as u32).collect();
     let mut queued = vec![true; queue.len()];
     let mut touched = vec![];
     while let Some(t) = queue.pop_front() {
         queued[t as usize] = false;
-        let Some((place, p, size)) = proposal(mesh, rule, t, front) else { continue };
-        if mesh.points.len() >= most {
+        let Some((place, p, size)) = proposal(sized, t, front) else { continue };
+        if sized.mesh.points.len() >= most {
             return Err(FillError::CapReached { limit: most });
         }
-        touched.clear();
-        mesh.insert(place, p, size, &mut touched);
-        queued.resize(mesh.topology.triangle_count(), false);
+        sized.insert(place, p, size, &mut touched);
+        let topology = &sized.mesh.topology;
+        queued.resize(topology.triangle_count(), false);
         // A triangle that became small enough makes its neighbours part of the front.
         for i in 0..touched.len() {
             for h in 3 * touched[i]..3 * touched[i] + 3 {
-                touched.extend(mesh.topology.twin(h).map(|twin| twin / 3));
+                touched.extend(topology.twin(h).map(|twin| twin / 3));
             }
         }
         touched.sort_unstable();
@@ -80,12 +102,12 @@ fn advance(mesh: &mut PlanMesh, rule: SizeRule, most: usize, front: Front) -> Re
 
 /// Where triangle `t` asks for a vertex, and the size there; `None` if it is small enough, not at the front, or no
 /// place is free.
-fn proposal(mesh: &PlanMesh, rule: SizeRule, t: u32, front: Front) -> Option<(Place, DVec2, f64)> {
-    let excess = excess(mesh, rule, t);
+fn proposal(sized: &Sized<'_>, t: u32, front: Front) -> Option<(Place, DVec2, f64)> {
+    let (mesh, rule, excess) = (&*sized.mesh, sized.rule, sized.excess[t as usize]);
     if excess <= 1.0 {
         return None;
     }
-    let base = base_edge(mesh, rule, t, front)?;
+    let base = base_edge(sized, t, front)?;
     let apexes = [frontal_point(mesh, rule, t, base), Some(centroid(mesh, t)).filter(|_| excess > 1.6)];
     for p in apexes.into_iter().flatten() {
         let p = mesh.frame.snap(p);
@@ -133,12 +155,13 @@ fn size_at(mesh: &PlanMesh, rule: SizeRule, t: u32, p: DVec2) -> f64 {
 
 /// The shortest edge of `t` that has an acute angle opposite and, at the front, the boundary or a finished triangle
 /// behind it.
-fn base_edge(mesh: &PlanMesh, rule: SizeRule, t: u32, front: Front) -> Option<u32> {
+fn base_edge(sized: &Sized<'_>, t: u32, front: Front) -> Option<u32> {
+    let mesh = &*sized.mesh;
     let length = |h: u32| mesh.at(mesh.topology.start(h)).distance_squared(mesh.at(mesh.topology.end(h)));
     let is_front = |h: u32| {
         front == Front::Anywhere || mesh.topology.twin[h as usize] == NONE || {
             let behind = mesh.topology.twin[h as usize] / 3;
-            excess(mesh, rule, behind) <= 1.0
+            sized.excess[behind as usize] <= 1.0
         }
     };
     let is_acute = |h: u32| {

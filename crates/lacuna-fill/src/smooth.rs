@@ -12,19 +12,33 @@ use lacuna_mesh::side_of_line;
 /// all its triangles stay counter-clockwise and the worst one gets no worse, or stays good while the mean improves.
 ///
 /// Source: Chen & Xu 2004 (optimal Delaunay triangulations); guard after Freitag & Ollivier-Gooch 1997.
+///
+/// The mesh must be constrained Delaunay. A vertex none of whose triangles changed since it last stayed would stay again
+/// and is not tried.
 pub(crate) fn smooth(mesh: &mut PlanMesh, rounds: usize) {
+    let mut has_changed = vec![true; mesh.points.len()];
+    let mut ring = vec![];
     for _ in 0..rounds {
         let leaving = mesh.topology.leaving(mesh.points.len());
-        let mut ring = vec![];
+        let mut moved = vec![false; mesh.points.len()];
         for v in mesh.fixed..mesh.points.len() {
+            if !std::mem::take(&mut has_changed[v]) {
+                continue;
+            }
             ring.clear();
             for h in mesh.topology.star(leaving[v]) {
                 let n = next(h);
                 ring.push([mesh.topology.start(n), mesh.topology.end(n)]);
             }
-            improve(mesh, v, &ring);
+            moved[v] = improve(mesh, v, &ring);
+            if moved[v] {
+                has_changed[v] = true;
+                ring.iter().for_each(|edge| has_changed[edge[0] as usize] = true);
+            }
         }
-        mesh.restore_delaunay();
+        mesh.restore_delaunay_near(&moved, |corners| {
+            corners.iter().for_each(|&v| has_changed[v as usize] = true);
+        });
     }
 }
 
@@ -33,11 +47,12 @@ const GOOD: f64 = 0.7;
 /// A vertex whose worst triangle has this q is left alone: most are so after the frontal insertion.
 const EXCELLENT: f64 = 0.92;
 
-fn improve(mesh: &mut PlanMesh, v: usize, ring: &[[u32; 2]]) {
+/// Moves a vertex to a better place; false if it stays.
+fn improve(mesh: &mut PlanMesh, v: usize, ring: &[[u32; 2]]) -> bool {
     let here = mesh.points[v];
-    let Some(before) = judge(mesh, here, ring) else { return };
+    let Some(before) = judge(mesh, here, ring) else { return false };
     if before.0 >= EXCELLENT {
-        return;
+        return false;
     }
     let mean = neighbour_mean(mesh, ring);
     for candidate in [optimal_place(mesh, here, ring), mean, here.midpoint(mean)] {
@@ -46,9 +61,10 @@ fn improve(mesh: &mut PlanMesh, v: usize, ring: &[[u32; 2]]) {
         let better = after.1 > before.1 && after.0 >= before.0.min(GOOD);
         if better {
             mesh.points[v] = place;
-            return;
+            return true;
         }
     }
+    false
 }
 
 /// Worst and mean q of the triangles round a vertex at `p`; `None` if one is not counter-clockwise.

@@ -96,7 +96,7 @@ impl Field {
         let patch = triangles.len();
         let renumber = |v: u32| if v < n { v } else { v + shift };
         triangles.extend(contour.support.triangles.iter().map(|t| t.map(renumber)));
-        let mut rows = closed_fans(points.len(), &triangles);
+        let mut rows = closed_at_rim(n, points.len(), &triangles);
         let place = |v: u32| points[v as usize].extend(fixed[v as usize].unwrap_or(0.0));
         for triangle in &triangles[patch..] {
             let spacing = triangle.iter().filter_map(|&v| mesh.sizes.get(v as usize)).copied();
@@ -111,6 +111,14 @@ impl Field {
         rows[mesh.points.len()..].fill(false);
         Self { points, triangles, fixed, rows }
     }
+}
+
+/// As [`closed_fans`], for patch triangles whose new vertices all lie inside: only the first `n` vertices are judged.
+fn closed_at_rim(n: u32, count: usize, triangles: &[[u32; 3]]) -> Vec<bool> {
+    let at_rim: Vec<[u32; 3]> = triangles.iter().filter(|t| t.iter().any(|&v| v < n)).copied().collect();
+    let mut closed = closed_fans(count, &at_rim);
+    closed[n as usize..].fill(true);
+    closed
 }
 
 /// Vertices whose triangles close round them: as many triangles as edges, each edge once each way.

@@ -282,7 +282,7 @@ fn check_edges(
         let sides = [(a, b, 3 * t), (b, c, 3 * t + 1), (c, a, 3 * t + 2)];
         uses.extend(sides.map(|(from, to, half_edge)| EdgeUse::new(from, to, users, half_edge)));
     }
-    uses.sort_unstable();
+    sort_by_edge(&mut uses, first_at_place.len());
     let forbidden = forbidden_places(contour, first_at_place);
     let mut edges = Edges { count: 0, joined: vec![] };
     for edge in uses.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high)) {
@@ -293,6 +293,22 @@ fn check_edges(
         }
     }
     Ok(edges)
+}
+
+/// Sorts by edge: counted by smaller vertex, then each vertex's few uses sorted.
+fn sort_by_edge(uses: &mut Vec<EdgeUse>, vertices: usize) {
+    let mut next = vec![0usize; vertices + 1];
+    uses.iter().for_each(|u| next[u.low as usize + 1] += 1);
+    for v in 0..vertices {
+        next[v + 1] += next[v];
+    }
+    let mut sorted = uses.clone();
+    for u in uses.iter() {
+        sorted[next[u.low as usize]] = *u;
+        next[u.low as usize] += 1;
+    }
+    sorted.chunk_by_mut(|a, b| a.low == b.low).for_each(<[EdgeUse]>::sort_unstable);
+    *uses = sorted;
 }
 
 /// Contour edges in numbering order, from place to place.

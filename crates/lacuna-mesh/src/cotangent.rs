@@ -70,19 +70,21 @@ fn assemble(
     clamp: Clamp,
     position: impl Fn(u32) -> DVec3,
 ) -> Stiffness {
-    let mut parts = Vec::with_capacity(9 * triangles.len());
+    let mut parts = Vec::with_capacity(3 * triangles.len());
+    let mut diagonal = vec![None; count];
     let mut mass = vec![0.0; count];
     let mut left_out = 0;
     for &triangle in triangles {
         match angles(triangle.map(&position)) {
             Some((area, cotangents)) => {
                 triangle.iter().for_each(|&v| mass[v as usize] += area / 3.0);
-                push_parts(&mut parts, triangle, cotangents.map(|cot| clamp.apply(cot) / 2.0));
+                let half_cotangents = cotangents.map(|cot| clamp.apply(cot) / 2.0);
+                push_parts(&mut parts, &mut diagonal, triangle, half_cotangents);
             }
             None => left_out += 1,
         }
     }
-    Stiffness { entries: summed(parts), mass, left_out }
+    Stiffness { entries: summed(&parts, &diagonal), mass, left_out }
 }
 
 /// Area and the cotangents at the three corners; `None` without area.
@@ -96,25 +98,48 @@ fn angles(corners: [DVec3; 3]) -> Option<(f64, [f64; 3])> {
 }
 
 /// The triangle's part of K: corner i's half cotangent is a weight of the edge opposite to it.
-fn push_parts(parts: &mut Vec<(u32, u32, f64)>, triangle: [u32; 3], half_cotangents: [f64; 3]) {
+fn push_parts(
+    parts: &mut Vec<(u32, u32, f64)>,
+    diagonal: &mut [Option<f64>],
+    triangle: [u32; 3],
+    half_cotangents: [f64; 3],
+) {
     for corner in 0..3 {
         let (i, j) = (triangle[(corner + 1) % 3], triangle[(corner + 2) % 3]);
         let weight = half_cotangents[corner];
-        parts.extend([(i, i, weight), (j, j, weight), (i.max(j), i.min(j), -weight)]);
+        for v in [i, j] {
+            let sum = &mut diagonal[v as usize];
+            *sum = Some(sum.map_or(weight, |sum| sum + weight));
+        }
+        parts.push((i.max(j), i.min(j), -weight));
     }
 }
 
-/// Equal places added up in the order in which they came (the sort is stable).
-fn summed(mut parts: Vec<(u32, u32, f64)>) -> Vec<(u32, u32, f64)> {
-    parts.sort_by_key(|&(row, column, _)| (row, column));
-    parts.dedup_by(|next, kept| {
-        let is_same = (next.0, next.1) == (kept.0, kept.1);
-        if is_same {
-            kept.2 += next.2;
+/// Equal places added up in the order in which they came: counted into rows, then each row sorted by column (stable).
+fn summed(parts: &[(u32, u32, f64)], diagonal: &[Option<f64>]) -> Vec<(u32, u32, f64)> {
+    let mut ends = vec![0usize; diagonal.len() + 1];
+    parts.iter().for_each(|&(row, ..)| ends[row as usize + 1] += 1);
+    for row in 0..diagonal.len() {
+        ends[row + 1] += ends[row];
+    }
+    let mut next = ends.clone();
+    let mut rows = vec![(0u32, 0.0); parts.len()];
+    for &(row, column, value) in parts {
+        rows[next[row as usize]] = (column, value);
+        next[row as usize] += 1;
+    }
+    let mut entries = Vec::with_capacity(parts.len() / 2 + diagonal.len());
+    for (row, sum) in diagonal.iter().enumerate() {
+        let Some(sum) = *sum else { continue };
+        let columns = &mut rows[ends[row]..ends[row + 1]];
+        columns.sort_by_key(|&(column, _)| column);
+        for same in columns.chunk_by(|a, b| a.0 == b.0) {
+            let value = same[1..].iter().fold(same[0].1, |sum, part| sum + part.1);
+            entries.push((row as u32, same[0].0, value));
         }
-        is_same
-    });
-    parts
+        entries.push((row as u32, row as u32, sum));
+    }
+    entries
 }
 
 #[cfg(test)]
