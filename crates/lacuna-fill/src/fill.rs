@@ -59,9 +59,9 @@ const UPRIGHT: f64 = 0.15;
 const LEVEL: f64 = 0.5;
 
 /// Fills a contour (algorithms E.1): constrained Delaunay from above where the rim is simple after pockets are cut,
-/// else in the best-fit plane, else the minimum-area triangulation in 3D. What none of them takes, because walls stand
-/// round it and islands in it, is still filled from above if it looks up and needs no pocket. Contour vertices keep
-/// their positions bit for bit; a patch that fails its check is never returned.
+/// else in the best-fit plane, else from above where steep triangles stand round a rim that looks up and needs no
+/// pocket, else the minimum-area triangulation in 3D. Contour vertices keep their positions bit for bit; a patch that
+/// fails its check is never returned.
 ///
 /// Rings may touch each other and themselves in vertices (equal positions): those are one vertex, and triangles name the
 /// first contour vertex at the place.
@@ -79,30 +79,30 @@ fn fill_by_list(contour: &Contour, params: &FillParams, solver: &dyn Solver) -> 
     if params.filler == FillerChoice::MinArea {
         return fill_in_space(&rim, params, solver);
     }
-    let seen_from_above = if is_plan_trusted(contour) {
-        Some(fill_from_above(&rim, Pockets::Cut, params, solver))
-    } else {
-        None
-    };
-    let reason = match seen_from_above {
-        Some(Err(reason)) if is_about_plan(&reason) => Some(reason),
-        Some(done) => return done,
-        None => None,
-    };
+    let is_trusted = is_plan_trusted(contour);
+    let mut reason = None;
+    if is_trusted {
+        match fill_from_above(&rim, Pockets::Cut, params, solver) {
+            Err(e) if is_about_plan(&e) => reason = Some(e),
+            done => return done,
+        }
+    }
     match best_fit_frame(contour).map(|frame| fill_in_plane(&rim, frame, params, solver)) {
         Some(Err(e)) if is_about_plan(&e) => {}
         Some(done) => return done,
         None => {}
     }
-    let refusal = space_refusal(&rim);
-    if refusal.is_none() && params.filler == FillerChoice::Auto {
-        return fill_in_space(&rim, params, solver);
+    // Steps of a raster or a quay: steep, but simple from above as it is, where no triangle can turn over.
+    if !is_trusted && level(contour) > UPRIGHT {
+        match fill_from_above(&rim, Pockets::Refused, params, solver) {
+            Err(e) if is_about_plan(&e) => reason = Some(e),
+            done => return done,
+        }
     }
-    // Nothing else takes it: a rim of steps may still be simple from above as it is.
-    if reason.is_none() && level(contour) > UPRIGHT {
-        return fill_from_above(&rim, Pockets::Refused, params, solver);
+    match space_refusal(&rim) {
+        None if params.filler == FillerChoice::Auto => fill_in_space(&rim, params, solver),
+        refusal => Err(reason.or(refusal).unwrap_or(FillError::UprightRim)),
     }
-    Err(reason.or(refusal).unwrap_or(FillError::UprightRim))
 }
 
 /// z of the unit vector along the outer ring's vector area: 1 for a level contour, 0 for a facade.
