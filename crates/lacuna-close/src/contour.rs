@@ -6,7 +6,8 @@ use glam::DVec3;
 use lacuna_grid::{CellId, CornerId, Side};
 use lacuna_hole::{Anchor, BorderMode, CellSurvey, Hole, Piece, Plan, Span, Surveys};
 use lacuna_mesh::{
-    Contour, ContourEdge, ContourRing, ContourVertex, EdgeKind, Patch, Support, VertexId, position_bits,
+    Contour, ContourEdge, ContourRing, ContourVertex, EdgeKind, Patch, PointId, Support, VertexId,
+    position_bits,
 };
 use std::collections::BTreeMap;
 use thiserror::Error;
@@ -16,8 +17,32 @@ use thiserror::Error;
 pub enum Source {
     /// A vertex of the hole's own tile: the patch refers to it.
     Original(VertexId),
-    /// A neighbour's vertex or a closing point: the patch brings a copy.
-    New,
+    /// A vertex of another tile: the patch brings a copy.
+    Adopted(CellId, PointId),
+    /// A point of a closing curve: the patch brings it.
+    Closing(ClosingPoint),
+    /// A corner of the grid inside the hole: the patch brings it.
+    Corner(CornerId),
+}
+
+impl Source {
+    /// True if the patch brings the vertex.
+    #[must_use]
+    pub fn is_new(&self) -> bool {
+        !matches!(self, Self::Original(_))
+    }
+}
+
+/// A point of a closing curve on one of the two lines of its border.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ClosingPoint {
+    /// Index of the curve.
+    pub curve: u32,
+    /// Index of the point in the curve.
+    pub point: u32,
+    /// True on the line with the larger coordinate, where tiles overrun their cell and share the strip at this point.
+    /// Where they share none both lines have one height and count as the lower one.
+    pub is_upper: bool,
 }
 
 /// A contour and the source of each of its vertices, in the contour's numbering.
@@ -30,6 +55,8 @@ pub struct CellContour {
     /// Surface beside the contour that the cells of an overlap share, to be added to the patch as it is: new vertices, and
     /// triangles numbered as in a patch.
     pub strip: Patch,
+    /// Where each new vertex of the strip comes from.
+    pub strip_sources: Vec<Source>,
 }
 
 /// Why a hole has no contour.
@@ -66,7 +93,7 @@ pub fn contour(
     for &island in &hole.islands {
         let survey = own.ok_or(CloseError::NoSurvey(hole.cell))?;
         let mut ring = RingBuilder::default();
-        ring.add_edges(survey, &survey.loops[island as usize].edges, true);
+        ring.add_edges(survey, &survey.loops[island as usize].edges, None);
         rings.push(ring.finish()?);
     }
     let sources = rings.iter().flat_map(|r| r.1.iter().copied()).collect();
@@ -74,8 +101,8 @@ pub fn contour(
     let outer = rings.next().unwrap_or_default();
     let mut contour = Contour { outer, inner: rings.collect(), ..Contour::default() };
     builder.add_support(&mut contour);
-    let strip = number_strip(&contour, &builder.strip);
-    Ok(CellContour { contour, sources, strip })
+    let (strip, strip_sources) = number_strip(&contour, &builder.strip);
+    Ok(CellContour { contour, sources, strip, strip_sources })
 }
 
 struct Builder<'a> {
@@ -85,8 +112,11 @@ struct Builder<'a> {
     curves: &'a Curves,
     round: &'a dyn Fn(DVec3) -> DVec3,
     /// Triangles of the overlap strips, by position.
-    strip: Vec<[DVec3; 3]>,
+    strip: Vec<[Placed; 3]>,
 }
+
+/// A position and where it comes from.
+type Placed = (DVec3, Source);
 
 impl Builder<'_> {
     fn outer(&mut self) -> Result<(ContourRing, Vec<Source>), CloseError> {
@@ -95,7 +125,7 @@ impl Builder<'_> {
             match piece {
                 Piece::Rim(edges) => {
                     let survey = self.survey(self.hole.cell)?;
-                    ring.add_edges(survey, edges, true);
+                    ring.add_edges(survey, edges, None);
                 }
                 Piece::Bridge => {}
                 Piece::Side { side, spans, corner_after } => {
@@ -118,7 +148,7 @@ impl Builder<'_> {
     fn add_span(&mut self, ring: &mut RingBuilder, side: Side, span: &Span) -> Result<(), CloseError> {
         match span {
             Span::Adopted { neighbour, edges } => {
-                ring.add_edges(self.survey(*neighbour)?, edges, false);
+                ring.add_edges(self.survey(*neighbour)?, edges, Some(*neighbour));
             }
             Span::Curve(c) => self.add_curve(ring, side, *c)?,
         }
@@ -129,24 +159,23 @@ impl Builder<'_> {
     /// the neighbour's.
     fn add_curve(&mut self, ring: &mut RingBuilder, side: Side, c: u32) -> Result<(), CloseError> {
         let walk = self.curve_walk(side, c);
-        let spacing_m = walk.spacing_m;
         let [first, last] = walk.anchors;
-        let [from_square, to_square] = walk.anchors.map(|a| walk.is_strip_end(a, self.curves));
+        let [from_square, to_square] = walk.anchors.map(|a| is_strip_end(a, self.curves));
         let count = walk.columns.len();
         let is_free = |k: usize| walk.free.get(k).copied().unwrap_or(false);
         let from_square = from_square && is_free(0);
         let to_square = to_square && count > 1 && is_free(count - 2);
         if !from_square {
-            self.add_anchor(ring, first, spacing_m)?;
+            self.add_anchor(ring, first)?;
         }
         for (k, &[own, other]) in walk.columns.iter().enumerate() {
             let before = if k == 0 { from_square } else { is_free(k - 1) };
             let after = if k + 1 == count { to_square } else { is_free(k) };
             match (before, after) {
-                (false, false) => ring.add_border(own, spacing_m),
-                (true, true) => ring.add_border(other, spacing_m),
-                (false, true) => [own, other].iter().for_each(|&p| ring.add_border(p, spacing_m)),
-                (true, false) => [other, own].iter().for_each(|&p| ring.add_border(p, spacing_m)),
+                (false, false) => ring.add_border(own),
+                (true, true) => ring.add_border(other),
+                (false, true) => [own, other].into_iter().for_each(|p| ring.add_border(p)),
+                (true, false) => [other, own].into_iter().for_each(|p| ring.add_border(p)),
             }
             if k + 1 < count && is_free(k) {
                 self.strip.extend(walk.step(side, k));
@@ -156,7 +185,7 @@ impl Builder<'_> {
             self.add_square(last);
             return Ok(());
         }
-        self.add_anchor(ring, last, spacing_m)
+        self.add_anchor(ring, last)
     }
 
     /// A curve as the hole walks it.
@@ -171,8 +200,12 @@ impl Builder<'_> {
             let z = p.z + points.slope[k] * (line - curve.line);
             (self.round)(side.point(side.along(p.truncate()), line).extend(z))
         };
-        let mut columns: Vec<[DVec3; 2]> =
-            (0..points.inner.len()).map(|k| [own_line, other_line].map(|line| place(k, line))).collect();
+        let column = |k: usize| {
+            [(own_line, other_line), (other_line, own_line)].map(|(line, beyond)| {
+                (place(k, line), closing_source(self.plan, self.curves, c, k, line > beyond))
+            })
+        };
+        let mut columns: Vec<[Placed; 2]> = (0..points.inner.len()).map(column).collect();
         let mut free = points.free_steps.clone();
         let mut anchors = [curve.low, curve.high];
         if !side.runs_upward() {
@@ -180,7 +213,7 @@ impl Builder<'_> {
             free.reverse();
             anchors.reverse();
         }
-        CurveWalk { columns, free, anchors, spacing_m: points.spacing_m }
+        CurveWalk { columns, free, anchors }
     }
 
     /// The square at a corner that four cells share.
@@ -190,22 +223,19 @@ impl Builder<'_> {
             (square_lines(self.plan, corner), self.curves.corners.get(&corner))
         {
             let triangles = square_triangles(lines, height.z);
-            self.strip.extend(triangles.map(|t| t.map(|p| (self.round)(p))));
+            self.strip.extend(triangles.map(|t| t.map(|p| ((self.round)(p), Source::Corner(corner)))));
         }
     }
 
     /// An anchor's vertex, unless it belongs to another tile that shares no vertices with this one.
-    fn add_anchor(&self, ring: &mut RingBuilder, anchor: Anchor, spacing_m: f64) -> Result<(), CloseError> {
+    fn add_anchor(&self, ring: &mut RingBuilder, anchor: Anchor) -> Result<(), CloseError> {
         match anchor {
             Anchor::Point(cell, point) => {
                 if cell == self.hole.cell || self.plan.fit.mode != BorderMode::Overrun {
-                    ring.add_border(self.survey(cell)?.position(point), spacing_m);
+                    ring.add_border((self.survey(cell)?.position(point), Source::Adopted(cell, point)));
                 }
             }
-            Anchor::Corner(corner) => {
-                let place = self.corner_position(corner)?;
-                ring.add_border(place, spacing_m);
-            }
+            Anchor::Corner(corner) => ring.add_border(self.corner(corner)?),
             Anchor::Free => {}
         }
         Ok(())
@@ -218,27 +248,29 @@ impl Builder<'_> {
             return Ok(());
         }
         // Between two adopted stretches the neighbours' own vertices turn the corner.
-        if let Ok(place) = self.corner_position(corner) {
-            ring.add_border(place, self.plan.fit.edge_m);
+        if let Ok(placed) = self.corner(corner) {
+            ring.add_border(placed);
         }
         Ok(())
     }
 
-    fn corner_position(&self, corner: CornerId) -> Result<DVec3, CloseError> {
+    fn corner(&self, corner: CornerId) -> Result<Placed, CloseError> {
         if let Some(Anchor::Point(cell, point)) = self.plan.corner_vertex(corner) {
-            return Ok(self.survey(cell)?.position(point));
+            return Ok((self.survey(cell)?.position(point), Source::Adopted(cell, point)));
         }
         let height =
             self.curves.corners.get(&corner).ok_or(CloseError::NoCornerHeight(corner.i, corner.j))?;
         let side = Side::ALL.into_iter().find(|&s| self.hole.cell.corner_after(s) == corner);
         let own = side.and_then(|s| self.plan.domains.get(&self.hole.cell).map(|d| d.corner_after(s)));
-        Ok(own.map_or(*height, |p| p.extend(height.z)))
+        Ok((own.map_or(*height, |p| p.extend(height.z)), Source::Corner(corner)))
     }
 
-    /// Ring triangles of all cells that the contour touches, and pairs of contour vertices that they already join.
+    /// The triangles behind the contour's vertices, of all cells that it touches, and pairs of contour vertices that they
+    /// already join.
     fn add_support(&self, contour: &mut Contour) {
+        let positions = contour.positions();
         let mut numbers: BTreeMap<[u64; 3], u32> = BTreeMap::new();
-        for (k, p) in contour.positions().into_iter().enumerate() {
+        for (k, &p) in positions.iter().enumerate() {
             numbers.entry(position_bits(p)).or_insert(k as u32);
         }
         let count = contour.len() as u32;
@@ -247,26 +279,16 @@ impl Builder<'_> {
         for cell in self.cells_touched() {
             let Some(survey) = self.surveys.get(&cell) else { continue };
             let own = cell == self.hole.cell;
-            let mut number_of: BTreeMap<u32, u32> = BTreeMap::new();
-            for (k, v) in survey.band.vertices.iter().enumerate() {
-                if v.ring == 0
-                    && let Some(&n) = numbers.get(&position_bits(v.position))
-                {
-                    number_of.insert(k as u32, n);
-                }
-            }
-            for triangle in &survey.band.triangles {
-                if !triangle.iter().any(|v| number_of.get(v).is_some_and(|&n| n < count)) {
+            for triangle in self.triangles_behind(survey) {
+                let places = survey.band.triangles[triangle as usize]
+                    .map(|v| survey.band.vertices[v as usize].position);
+                if !places.iter().any(|&p| numbers.get(&position_bits(p)).is_some_and(|&n| n < count)) {
                     continue;
                 }
-                let corners = triangle.map(|v| {
-                    *number_of.entry(v).or_insert_with(|| {
-                        let place = survey.band.vertices[v as usize].position;
-                        *numbers.entry(position_bits(place)).or_insert_with(|| {
-                            support.vertices.push(place);
-                            support.ring.push(1);
-                            count + support.vertices.len() as u32 - 1
-                        })
+                let corners = places.map(|place| {
+                    *numbers.entry(position_bits(place)).or_insert_with(|| {
+                        support.vertices.push(place);
+                        count + support.vertices.len() as u32 - 1
                     })
                 });
                 support.triangles.push(corners);
@@ -278,6 +300,37 @@ impl Builder<'_> {
         }
         contour.support = support;
         contour.forbidden_edges = without_contour_edges(contour, forbidden);
+    }
+
+    /// Band triangles of a cell at the boundary points that the hole's ring uses, ascending.
+    fn triangles_behind(&self, survey: &CellSurvey) -> Vec<u32> {
+        let boundary = &survey.boundary;
+        let mut edges: Vec<u32> = Vec::new();
+        for piece in &self.hole.outer {
+            match piece {
+                Piece::Rim(rim) if survey.cell == self.hole.cell => edges.extend(rim),
+                Piece::Side { spans, .. } => edges.extend(spans.iter().flat_map(|s| match s {
+                    Span::Adopted { neighbour, edges } if *neighbour == survey.cell => edges.as_slice(),
+                    _ => &[],
+                })),
+                _ => {}
+            }
+        }
+        if survey.cell == self.hole.cell {
+            let islands = self.hole.islands.iter();
+            edges.extend(islands.flat_map(|&l| &survey.loops[l as usize].edges));
+        }
+        let points = edges.iter().flat_map(|&e| {
+            let edge = &boundary.edges[e as usize];
+            [edge.from, edge.to]
+        });
+        let mut triangles: Vec<u32> = points
+            .filter_map(|p| survey.band.find(boundary.points[p.index()].vertex))
+            .flat_map(|v| survey.fans.of(v).iter().copied())
+            .collect();
+        triangles.sort_unstable();
+        triangles.dedup();
+        triangles
     }
 
     fn cells_touched(&self) -> Vec<CellId> {
@@ -299,50 +352,69 @@ impl Builder<'_> {
 /// A curve in the direction of a hole's walk.
 struct CurveWalk {
     /// Each point on the hole's own line and on the neighbour's.
-    columns: Vec<[DVec3; 2]>,
+    columns: Vec<[Placed; 2]>,
     /// For each step between points, true if both cells take the strip between the lines.
     free: Vec<bool>,
     /// What stands at the ends.
     anchors: [Anchor; 2],
-    spacing_m: f64,
+}
+
+/// True if the strip goes on in a corner's square.
+fn is_strip_end(anchor: Anchor, curves: &Curves) -> bool {
+    matches!(anchor, Anchor::Corner(corner) if curves.free_corners.contains(&corner))
+}
+
+/// What point `k` of a curve is on one of its lines: the corner where a square of four cells begins, else a closing point.
+pub(crate) fn closing_source(plan: &Plan, curves: &Curves, c: u32, k: usize, is_upper: bool) -> Source {
+    let (curve, points) = (&plan.curves[c as usize], &curves.curves[c as usize]);
+    let is_free = |step: Option<usize>| step.and_then(|s| points.free_steps.get(s)) == Some(&true);
+    let last = points.inner.len().saturating_sub(1);
+    for (at, anchor, step) in [(0, curve.low, Some(0)), (last, curve.high, last.checked_sub(1))] {
+        if let Anchor::Corner(corner) = anchor
+            && k == at
+            && is_strip_end(anchor, curves)
+            && is_free(step)
+        {
+            return Source::Corner(corner);
+        }
+    }
+    let in_strip = is_free(Some(k)) || is_free(k.checked_sub(1));
+    Source::Closing(ClosingPoint { curve: c, point: k as u32, is_upper: is_upper && in_strip })
 }
 
 impl CurveWalk {
-    /// True if the strip goes on in a corner's square.
-    fn is_strip_end(&self, anchor: Anchor, curves: &Curves) -> bool {
-        matches!(anchor, Anchor::Corner(corner) if curves.free_corners.contains(&corner))
-    }
-
     /// The two triangles of a step, the same in both cells whichever way they walk.
-    fn step(&self, side: Side, k: usize) -> [[DVec3; 3]; 2] {
+    fn step(&self, side: Side, k: usize) -> [[Placed; 3]; 2] {
         let mut ends = [self.columns[k], self.columns[k + 1]];
-        if side.along(ends[0][0].truncate()) > side.along(ends[1][0].truncate()) {
+        if side.along(ends[0][0].0.truncate()) > side.along(ends[1][0].0.truncate()) {
             ends.reverse();
         }
-        let lower = usize::from(side.across(ends[0][0].truncate()) > side.across(ends[0][1].truncate()));
+        let lower = usize::from(side.across(ends[0][0].0.truncate()) > side.across(ends[0][1].0.truncate()));
         let line = |which: usize| [ends[0][which], ends[1][which]];
         step_triangles(side, line(lower), line(1 - lower))
     }
 }
 
-/// Numbers the triangles of the strips: contour vertices by position, all others as new vertices behind them.
-fn number_strip(contour: &Contour, triangles: &[[DVec3; 3]]) -> Patch {
+/// Numbers the triangles of the strips: contour vertices by position, all others as new vertices behind them. Also returns
+/// where the new ones come from.
+fn number_strip(contour: &Contour, triangles: &[[Placed; 3]]) -> (Patch, Vec<Source>) {
     let mut numbers: BTreeMap<[u64; 3], u32> = BTreeMap::new();
     for (k, p) in contour.positions().into_iter().enumerate() {
         numbers.entry(position_bits(p)).or_insert(k as u32);
     }
     let count = contour.len() as u32;
-    let mut strip = Patch::default();
+    let (mut strip, mut sources) = (Patch::default(), Vec::new());
     for triangle in triangles {
-        let corners = triangle.map(|p| {
+        let corners = triangle.map(|(p, source)| {
             *numbers.entry(position_bits(p)).or_insert_with(|| {
                 strip.vertices.push(p);
+                sources.push(source);
                 count + strip.vertices.len() as u32 - 1
             })
         });
         strip.triangles.push(corners);
     }
-    strip
+    (strip, sources)
 }
 
 /// Sorted pairs (smaller first) that are no edges of the contour itself.
@@ -377,15 +449,14 @@ struct RingBuilder {
 const BORDER_EDGE: ContourEdge = ContourEdge { kind: EdgeKind::Border, apex: None };
 
 impl RingBuilder {
-    /// Boundary edges of a cell in a row, ends included.
-    fn add_edges(&mut self, survey: &CellSurvey, edges: &[u32], own: bool) {
+    /// Boundary edges of a cell in a row, ends included; of the hole's own cell or of a neighbour.
+    fn add_edges(&mut self, survey: &CellSurvey, edges: &[u32], neighbour: Option<CellId>) {
         for &e in edges {
             let edge = &survey.boundary.edges[e as usize];
             for (point, is_start) in [(edge.from, true), (edge.to, false)] {
-                let source = if own {
-                    Source::Original(survey.boundary.points[point.index()].vertex)
-                } else {
-                    Source::New
+                let source = match neighbour {
+                    None => Source::Original(survey.boundary.points[point.index()].vertex),
+                    Some(cell) => Source::Adopted(cell, point),
                 };
                 self.push(survey.position(point), survey.spacing_m[point.index()], source);
                 if is_start && let Some(last) = self.edges.last_mut() {
@@ -395,8 +466,9 @@ impl RingBuilder {
         }
     }
 
-    fn add_border(&mut self, position: DVec3, spacing_m: f64) {
-        self.push(position, spacing_m, Source::New);
+    /// A vertex on the border; its spacing is that of its edges.
+    fn add_border(&mut self, (position, source): Placed) {
+        self.push(position, 0.0, source);
     }
 
     fn push(&mut self, position: DVec3, spacing_m: f64, source: Source) {

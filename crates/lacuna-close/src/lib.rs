@@ -1,14 +1,22 @@
 //! Closing polylines on the borders of cells, with heights, and the contours that fillers see.
 //!
 //! A border has one curve for every stretch where both cells are open; both cells take the same points from it, so that
-//! their patches meet without a crack. Method `layered`: heights are projected from the rims, layer by layer.
+//! their patches meet without a crack. Method `layered`: heights are projected from the rims, layer by layer. Method
+//! `field`: one robust thin plate over the hole of a whole cluster gives heights to curves and patches.
 
 mod contour;
 mod curve;
+mod field;
+mod height_field;
 mod layered;
+mod plate;
 mod profile;
+mod region;
 mod strip;
 
-pub use contour::{CellContour, CloseError, Source, contour};
+pub use contour::{CellContour, CloseError, ClosingPoint, Source, contour};
 pub use curve::{BorderCurve, Curves};
+pub use field::{ClusterField, field, raise_curves};
+pub use height_field::{Datum, FieldError, FieldParams, HeightField, Region, height_field};
 pub use layered::{LayeredOptions, project};
+pub use region::{ClusterRegion, FieldPart, cluster_region};

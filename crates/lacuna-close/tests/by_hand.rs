@@ -32,7 +32,6 @@ fn support_of_one_quad() {
     assert_eq!(contour.support.triangles.len(), 8 + 2 + 2 + 1 + 1);
     // Of the twelve places round it, the two outer ones of the corner quads that bring one triangle are not reached.
     assert_eq!(contour.support.vertices.len(), 10);
-    assert!(contour.support.ring.iter().all(|&r| r == 1));
     assert!(contour.forbidden_edges.is_empty());
 }
 

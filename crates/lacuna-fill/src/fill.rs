@@ -160,7 +160,7 @@ fn is_about_plan(reason: &FillError) -> bool {
     )
 }
 
-fn check_input(contour: &Contour, params: &FillParams) -> Result<(), FillError> {
+pub(crate) fn check_input(contour: &Contour, params: &FillParams) -> Result<(), FillError> {
     let malformed = |what: String| Err(FillError::Malformed { what });
     for ring in contour.rings() {
         if ring.vertices.len() < 3 || ring.edges.len() != ring.vertices.len() {
@@ -190,7 +190,7 @@ fn check_input(contour: &Contour, params: &FillParams) -> Result<(), FillError> 
 }
 
 /// Refuses a contour that clearly looks down: the outer rim of a floating layer, not a hole.
-fn check_direction(contour: &Contour) -> Result<(), FillError> {
+pub(crate) fn check_direction(contour: &Contour) -> Result<(), FillError> {
     if level(contour) < -LEVEL {
         return Err(FillError::BadRings { what: "the outer ring runs the wrong way round".to_owned() });
     }
@@ -201,7 +201,7 @@ fn check_direction(contour: &Contour) -> Result<(), FillError> {
 const LARGEST_COORDINATE_M: f64 = 1e12;
 
 /// True if the rim's triangles look up over nearly all of its length, or the contour itself is level (algorithms B.7).
-fn is_plan_trusted(contour: &Contour) -> bool {
+pub(crate) fn is_plan_trusted(contour: &Contour) -> bool {
     if level(contour) >= LEVEL {
         return true;
     }
@@ -223,7 +223,7 @@ fn is_plan_trusted(contour: &Contour) -> bool {
 }
 
 /// Checks the patch and gathers its facts; nothing leaves this crate unchecked.
-fn finish(contour: &Contour, lifted: Lifted, filler: Filler) -> Result<Filled, FillError> {
+pub(crate) fn finish(contour: &Contour, lifted: Lifted, filler: Filler) -> Result<Filled, FillError> {
     let Lifted { patch, vertical } = lifted;
     let in_plan = filler == Filler::Delaunay;
     let view = if in_plan && vertical.is_empty() { PlanView::Judged } else { PlanView::NotJudged };

@@ -1,7 +1,7 @@
 //! Heights over a plane triangulation: harmonic or biharmonic, some fixed, the rest solved for.
 
-use glam::{DVec2, DVec3};
-use lacuna_mesh::{Clamp, Stiffness, stiffness};
+use glam::DVec2;
+use lacuna_mesh::{Clamp, PlaneFit, Stiffness, stiffness};
 use lacuna_solve::{SolveError, Solver, SparseSymmetric};
 
 /// Points in a plane, their triangles, and what is known of the heights above it.
@@ -46,7 +46,8 @@ pub fn solve_heights(
     solver: &dyn Solver,
 ) -> Result<Vec<f64>, SolveError> {
     let rows = Rows::new(&stiffness(problem.points, problem.triangles, Clamp::Off));
-    let trend = Trend::fit(problem);
+    let trend =
+        PlaneFit::of(problem.points.iter().zip(problem.fixed).filter_map(|(p, z)| z.map(|z| p.extend(z))));
     let known: Vec<Option<f64>> = problem
         .points
         .iter()
@@ -243,40 +244,5 @@ impl<'a> Builder<'a> {
         self.rhs.push(std::mem::take(&mut self.total));
         self.here += 1;
         Ok(())
-    }
-}
-
-/// A plane `z = level + slope . (p - centre)`.
-struct Trend {
-    centre: DVec2,
-    level: f64,
-    slope: DVec2,
-}
-
-impl Trend {
-    /// Least squares over the known heights; level only if the places lie on a line.
-    fn fit(problem: &HeightProblem<'_>) -> Self {
-        let data: Vec<DVec3> =
-            problem.points.iter().zip(problem.fixed).filter_map(|(p, z)| z.map(|z| p.extend(z))).collect();
-        let mean = data.iter().sum::<DVec3>() / data.len().max(1) as f64;
-        let (mut xx, mut xy, mut yy, mut xz, mut yz) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for d in data.iter().map(|&p| p - mean) {
-            xx += d.x * d.x;
-            xy += d.x * d.y;
-            yy += d.y * d.y;
-            xz += d.x * d.z;
-            yz += d.y * d.z;
-        }
-        let determinant = xx * yy - xy * xy;
-        let slope = if determinant > 1e-9 * (xx + yy) * (xx + yy) {
-            DVec2::new(yy * xz - xy * yz, xx * yz - xy * xz) / determinant
-        } else {
-            DVec2::ZERO
-        };
-        Self { centre: mean.truncate(), level: mean.z, slope }
-    }
-
-    fn at(&self, p: DVec2) -> f64 {
-        self.level + self.slope.dot(p - self.centre)
     }
 }

@@ -24,6 +24,7 @@ mod smooth;
 mod space_mesh;
 mod surface;
 mod topology;
+mod triangulation;
 mod weld;
 
 pub use adjust::{Freedom, adjust};
@@ -32,3 +33,4 @@ pub use fill::{Filled, Filler, fill};
 pub use heights::{HeightProblem, Smoothness, solve_heights};
 pub use params::{FillParams, FillerChoice, HeightRule};
 pub use ring_dp::{Ring3d, RingWeight, triangulate_ring};
+pub use triangulation::{Triangulation, raise, triangulate_in_plan};

@@ -36,18 +36,34 @@ pub(crate) fn fill_in_frame(
     params: &FillParams,
     solver: &dyn Solver,
 ) -> Result<Lifted, FillError> {
+    let (mesh, plan) = mesh_in_frame(rim, frame, pockets, params)?;
+    let heights = patch_heights(rim, &mesh, &plan.pockets, params, solver)?;
+    let n = mesh.fixed;
+    let new = mesh.points[n..].iter().zip(&heights[n..]);
+    let vertices = new.map(|(p, &z)| frame.world(p.extend(z))).collect();
+    let (triangles, vertical) = with_pockets(mesh.topology.triangles(), &plan.pockets);
+    Ok(Lifted { patch: Patch { vertices, triangles }, vertical })
+}
+
+/// Rings, Delaunay, refinement and smoothing in the plane, without heights.
+pub(crate) fn mesh_in_frame(
+    rim: &Welded<'_>,
+    frame: Frame,
+    pockets: Pockets,
+    params: &FillParams,
+) -> Result<(PlanMesh, PlanRings), FillError> {
     let positions = rim.contour.positions();
     let points: Vec<DVec2> = positions.iter().map(|&p| frame.local(p).truncate()).collect();
     let plan = plan_rings(rim, &points, &positions, pockets)?;
     let mesh = triangulate_and_refine(rim, frame, points, &plan, params)?;
-    let heights = patch_heights(rim, &mesh, &plan.pockets, params, solver)?;
-    let n = positions.len();
-    let new = mesh.points[n..].iter().zip(&heights[n..]);
-    let vertices = new.map(|(p, &z)| frame.world(p.extend(z))).collect();
-    let mut triangles = mesh.topology.triangles();
-    let vertical = (triangles.len() as u32..).take(plan.pockets.len()).collect();
-    triangles.extend(&plan.pockets);
-    Ok(Lifted { patch: Patch { vertices, triangles }, vertical })
+    Ok((mesh, plan))
+}
+
+/// All triangles of a patch, pockets last, and the indices of the pockets.
+pub(crate) fn with_pockets(mut triangles: Vec<[u32; 3]>, pockets: &[[u32; 3]]) -> (Vec<[u32; 3]>, Vec<u32>) {
+    let vertical = (triangles.len() as u32..).take(pockets.len()).collect();
+    triangles.extend(pockets);
+    (triangles, vertical)
 }
 
 fn triangulate_and_refine(

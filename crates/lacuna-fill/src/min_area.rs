@@ -108,7 +108,7 @@ fn solve_positions(
     let mut joined = triangles.to_vec();
     let renumber = |v: u32| if (v as usize) < n { v } else { v + (count - n) as u32 };
     joined.extend(contour.support.triangles.iter().map(|t| t.map(renumber)));
-    let mut is_row = crate::surface::closed_fans(all.len(), &joined);
+    let mut is_row = lacuna_mesh::closed_fans(all.len(), &joined);
     for (i, edge) in contour.outer.edges.iter().enumerate().filter(|(_, e)| e.kind == EdgeKind::Border) {
         debug_assert!(edge.apex.is_none());
         is_row[i] = false;

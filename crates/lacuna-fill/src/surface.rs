@@ -5,7 +5,7 @@ use crate::plan_mesh::PlanMesh;
 use crate::weld::Welded;
 use crate::{FillError, FillParams, HeightRule};
 use glam::{DVec2, DVec3};
-use lacuna_mesh::{Contour, EdgeKind};
+use lacuna_mesh::{Contour, EdgeKind, closed_fans};
 use lacuna_solve::Solver;
 
 /// Triangles behind the rim steeper than this (z of the unit normal) or with longer edges (times the local spacing)
@@ -118,26 +118,6 @@ fn closed_at_rim(n: u32, count: usize, triangles: &[[u32; 3]]) -> Vec<bool> {
     let at_rim: Vec<[u32; 3]> = triangles.iter().filter(|t| t.iter().any(|&v| v < n)).copied().collect();
     let mut closed = closed_fans(count, &at_rim);
     closed[n as usize..].fill(true);
-    closed
-}
-
-/// Vertices whose triangles close round them: as many triangles as edges, each edge once each way.
-pub(crate) fn closed_fans(count: usize, triangles: &[[u32; 3]]) -> Vec<bool> {
-    let mut edges: Vec<(u32, u32, bool)> = triangles
-        .iter()
-        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
-        .map(|(a, b)| (a.min(b), a.max(b), a < b))
-        .collect();
-    edges.sort_unstable();
-    let mut closed = vec![false; count];
-    triangles.iter().flatten().for_each(|&v| closed[v as usize] = true);
-    for edge in edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
-        let is_inner = matches!(edge, [(.., false), (.., true)]);
-        if !is_inner {
-            closed[edge[0].0 as usize] = false;
-            closed[edge[0].1 as usize] = false;
-        }
-    }
     closed
 }
 

@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 use lacuna_grid::CellId;
-use lacuna_mesh::{Band, Boundary, Bounds, Component, PointId, TriMesh, band, boundary, components, loops};
+use lacuna_mesh::{
+    Band, Boundary, Bounds, Component, Fans, PointId, TriMesh, band, boundary, components, loops,
+};
 use std::collections::BTreeMap;
 
 /// One closed loop of the boundary, walking with the missing surface on the left.
@@ -40,8 +42,10 @@ pub struct CellSurvey {
     pub spacing_m: Vec<f64>,
     /// Components of the mesh.
     pub components: Vec<Component>,
-    /// The triangles that touch the boundary, ring 1.
+    /// The triangles round the boundary: three rings, along the sides of the cell one.
     pub band: Band,
+    /// The band's triangles at each of its vertices.
+    pub fans: Fans,
     /// Median length of the boundary edges, metres; 0 without boundary.
     pub median_edge_m: f64,
 }
@@ -78,14 +82,21 @@ impl CellSurvey {
     }
 }
 
-/// Surveys one cell: boundary, loops, components, and one ring of triangles behind the boundary.
+/// Rings of triangles kept behind a rim, so that the rim is the first of four rings of vertices: what a height field reads
+/// slopes and noise from (algorithms D.3).
+const RINGS: u8 = 3;
+/// Boundary points within this many median edges of the mesh's box are taken for its sides, where one ring is enough.
+const SIDE_EDGES: f64 = 3.0;
+
+/// Surveys one cell: boundary, loops, components, and the triangles behind the boundary.
 #[must_use]
 pub fn survey(cell: CellId, mesh: &TriMesh) -> CellSurvey {
     let boundary = boundary(mesh);
     let components = components(mesh, &boundary);
-    let band = band(mesh, &boundary, &vec![true; boundary.points.len()], 1);
     let mut bounds = Bounds::EMPTY;
     mesh.positions.iter().filter(|p| p.is_finite()).for_each(|p| bounds.add(*p));
+    let median_edge_m = median_edge(&boundary);
+    let band = band(mesh, &boundary, &rings(&boundary, &bounds, SIDE_EDGES * median_edge_m));
     let mut survey = CellSurvey {
         cell,
         bounds,
@@ -93,7 +104,8 @@ pub fn survey(cell: CellId, mesh: &TriMesh) -> CellSurvey {
         triangles: mesh.triangles.len() as u64,
         loops: Vec::new(),
         spacing_m: spacing(&boundary),
-        median_edge_m: median_edge(&boundary),
+        median_edge_m,
+        fans: Fans::new(band.vertices.len(), &band.triangles),
         band,
         boundary,
         components: Vec::new(),
@@ -109,6 +121,15 @@ pub fn survey(cell: CellId, mesh: &TriMesh) -> CellSurvey {
         .collect();
     survey.components = components.list;
     survey
+}
+
+/// Rings to keep round each boundary point.
+fn rings(boundary: &Boundary, bounds: &Bounds, side_m: f64) -> Vec<u8> {
+    let is_inside = |p: DVec3| {
+        let from_sides = (p - bounds.min).min(bounds.max - p).truncate();
+        from_sides.min_element() > side_m
+    };
+    boundary.points.iter().map(|p| if is_inside(p.position) { RINGS } else { 1 }).collect()
 }
 
 /// Area, length and sheetness of edges in walking order; short gaps between them (over cuts) count as straight.

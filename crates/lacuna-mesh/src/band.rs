@@ -4,9 +4,6 @@ use crate::{Boundary, FaceId, PointId, TriMesh, VertexId};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Ring of a vertex that no pass has reached.
-const FAR: u8 = u8::MAX;
-
 /// A place in the band.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BandVertex {
@@ -14,13 +11,11 @@ pub struct BandVertex {
     pub position: DVec3,
     /// The vertex that stands for all vertices at this place ([`Boundary::representative`]).
     pub vertex: VertexId,
-    /// How many edges it is away from the nearest seed point (0 = seed point).
-    pub ring: u8,
     /// The boundary point it is, if it is one.
     pub point: Option<PointId>,
 }
 
-/// Triangles within some rings of chosen boundary points, with texture seams closed.
+/// Triangles within some rings of boundary points, with texture seams closed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Band {
     /// Places, sorted by `vertex`.
@@ -31,56 +26,52 @@ pub struct Band {
     pub faces: Vec<FaceId>,
 }
 
-/// The triangles of `mesh` with a vertex less than `rings` edges away from a seed point; empty for 0 rings.
+/// The triangles round the boundary points of `mesh`: `rings[p]` rings of them round point `p`, none for 0. A triangle
+/// belongs to it if one of its vertices is less than `rings[p]` edges away from some point `p`.
 ///
-/// `seeds` has a flag for each point of `boundary`. Steps: (1) the seed points' vertices, all copies, are ring 0;
-/// (2) `rings` passes over the triangles: one that touches ring k - 1 gives its other vertices ring k, and copies of one
-/// place share the smallest ring; (3) the triangles that touch a ring below `rings` are collected. Left out are those
-/// that the boundary ignores too: not finite, two corners at one place, repeated. Time: `rings + 1` reads of the
-/// triangles; memory: a byte a vertex. At most 254 rings.
+/// Steps: (1) the points' vertices, all copies, start with their number of rings left; (2) for each number from the
+/// largest down, one pass over the triangles: a vertex with that many rings left gives the others of its triangle one
+/// less; (3) the triangles with a vertex that has rings left are collected. Left out are those that the boundary ignores
+/// too: not finite, two corners at one place, repeated. Time: one read of the triangles more than the largest number;
+/// memory: a byte a vertex.
 ///
 /// Source: algorithm note, section A.3.
 #[must_use]
-pub fn band(mesh: &TriMesh, boundary: &Boundary, seeds: &[bool], rings: u8) -> Band {
-    let rings = rings.min(FAR - 1);
-    let mut ring = seed_rings(mesh, boundary, seeds);
-    for pass in 1..=rings {
-        grow(mesh, boundary, &mut ring, pass);
+pub fn band(mesh: &TriMesh, boundary: &Boundary, rings: &[u8]) -> Band {
+    let mut left = vec![0u8; mesh.positions.len()];
+    for (point, &rings) in boundary.points.iter().zip(rings) {
+        left[point.vertex.index()] = rings;
     }
-    collect(mesh, boundary, &ring, rings)
+    share_with_copies(boundary, &mut left);
+    let most = rings.iter().copied().max().unwrap_or(0);
+    for pass in (2..=most).rev() {
+        grow(mesh, boundary, &mut left, pass);
+    }
+    collect(mesh, boundary, &left)
 }
 
-/// Ring 0 for all copies of the seed points, `FAR` for all other vertices.
-fn seed_rings(mesh: &TriMesh, boundary: &Boundary, seeds: &[bool]) -> Vec<u8> {
-    let mut ring = vec![FAR; mesh.positions.len()];
-    for (point, _) in boundary.points.iter().zip(seeds).filter(|(_, seed)| **seed) {
-        ring[point.vertex.index()] = 0;
-    }
-    share_with_copies(boundary, &mut ring);
-    ring
-}
-
-/// Gives ring `pass` to the vertices of triangles that touch the ring before.
-fn grow(mesh: &TriMesh, boundary: &Boundary, ring: &mut [u8], pass: u8) {
+/// Gives one ring less than `pass` to the vertices of triangles that touch a vertex with `pass` rings left.
+fn grow(mesh: &TriMesh, boundary: &Boundary, left: &mut [u8], pass: u8) {
     for (face, &triangle) in mesh.triangles.iter().enumerate() {
-        let rings = triangle.map(|v| ring[v as usize]);
-        let nearest = rings[0].min(rings[1]).min(rings[2]);
-        if nearest < pass && rings.contains(&FAR) && is_counted(mesh, boundary, face) {
+        let rings = triangle.map(|v| left[v as usize]);
+        let most = rings[0].max(rings[1]).max(rings[2]);
+        let least = rings[0].min(rings[1]).min(rings[2]);
+        if most == pass && least + 1 < pass && is_counted(mesh, boundary, face) {
             for v in triangle {
-                ring[v as usize] = ring[v as usize].min(pass);
+                left[v as usize] = left[v as usize].max(pass - 1);
             }
         }
     }
-    share_with_copies(boundary, ring);
+    share_with_copies(boundary, left);
 }
 
-/// Gives all copies of a place the smallest ring among them.
-fn share_with_copies(boundary: &Boundary, ring: &mut [u8]) {
+/// Gives all copies of a place the largest number among them.
+fn share_with_copies(boundary: &Boundary, left: &mut [u8]) {
     for [copy, representative] in &boundary.copies {
-        ring[representative.index()] = ring[representative.index()].min(ring[copy.index()]);
+        left[representative.index()] = left[representative.index()].max(left[copy.index()]);
     }
     for [copy, representative] in &boundary.copies {
-        ring[copy.index()] = ring[representative.index()];
+        left[copy.index()] = left[representative.index()];
     }
 }
 
@@ -90,12 +81,12 @@ fn is_counted(mesh: &TriMesh, boundary: &Boundary, face: usize) -> bool {
         && boundary.duplicates.binary_search(&FaceId(face as u32)).is_err()
 }
 
-/// The triangles with a vertex below ring `rings`, with the places they use.
-fn collect(mesh: &TriMesh, boundary: &Boundary, ring: &[u8], rings: u8) -> Band {
+/// The triangles with a vertex that has rings left, with the places they use.
+fn collect(mesh: &TriMesh, boundary: &Boundary, left: &[u8]) -> Band {
     let mut faces = Vec::new();
     let mut triangles = Vec::new();
     for (face, triangle) in mesh.triangles.iter().enumerate() {
-        if triangle.iter().any(|&v| ring[v as usize] < rings) && is_counted(mesh, boundary, face) {
+        if triangle.iter().any(|&v| left[v as usize] > 0) && is_counted(mesh, boundary, face) {
             let [a, b, c] = triangle.map(|v| boundary.representative(VertexId(v)));
             if a != b && b != c && c != a {
                 faces.push(FaceId(face as u32));
@@ -108,15 +99,18 @@ fn collect(mesh: &TriMesh, boundary: &Boundary, ring: &[u8], rings: u8) -> Band 
     used.dedup();
     let number = |v: VertexId| used.binary_search(&v).map_or(0, |i| i as u32);
     let triangles = triangles.iter().map(|t| t.map(number)).collect();
-    let vertices = used.iter().map(|&v| band_vertex(mesh, boundary, ring, v)).collect();
+    let vertices = used.iter().map(|&v| band_vertex(mesh, boundary, v)).collect();
     Band { vertices, triangles, faces }
 }
 
-fn band_vertex(mesh: &TriMesh, boundary: &Boundary, ring: &[u8], vertex: VertexId) -> BandVertex {
-    BandVertex {
-        position: mesh.positions[vertex.index()],
-        vertex,
-        ring: ring[vertex.index()],
-        point: boundary.point_of(vertex),
+fn band_vertex(mesh: &TriMesh, boundary: &Boundary, vertex: VertexId) -> BandVertex {
+    BandVertex { position: mesh.positions[vertex.index()], vertex, point: boundary.point_of(vertex) }
+}
+
+impl Band {
+    /// Place of a vertex in `vertices`, by the vertex that stands for it.
+    #[must_use]
+    pub fn find(&self, vertex: VertexId) -> Option<u32> {
+        self.vertices.binary_search_by_key(&vertex, |v| v.vertex).ok().map(|k| k as u32)
     }
 }

@@ -50,8 +50,6 @@ pub struct Support {
     /// Triangles, counter-clockwise from above: index `i < n` is contour vertex `i` (outer ring first, then the inner
     /// ones in order, n vertices in all), `n + k` is `vertices[k]`.
     pub triangles: Vec<[u32; 3]>,
-    /// For each vertex, how many rings it lies behind the rim (1 = first ring behind it).
-    pub ring: Vec<u8>,
 }
 
 /// A closed hole of one cell, as a filler sees it. Contour vertices are numbered through: outer ring, then inner rings.

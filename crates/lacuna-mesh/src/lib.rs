@@ -9,10 +9,12 @@ mod check;
 mod components;
 mod contour;
 mod cotangent;
+mod fans;
 mod ids;
 mod loops;
 mod mesh;
 mod places;
+mod plane_fit;
 mod polygon;
 mod quality;
 mod turn;
@@ -23,10 +25,12 @@ pub use check::{PatchDefect, PatchFacts, PlanView, check_patch};
 pub use components::{Component, Components, components};
 pub use contour::{Contour, ContourEdge, ContourRing, ContourVertex, EdgeKind, Patch, Support};
 pub use cotangent::{Clamp, Stiffness, stiffness, stiffness_in_space};
+pub use fans::{Fans, closed_fans};
 pub use ids::{FaceId, PointId, VertexId};
 pub use loops::{BoundaryLoop, BoundaryLoops, loops};
 pub use mesh::{Bounds, TriMesh};
 pub use places::{is_same_place, position_bits};
+pub use plane_fit::PlaneFit;
 pub use polygon::{
     EdgePair, Location, Meeting, contains, find_crossings, find_meetings, is_simple, perimeter,
     segments_cross, side_of_line, signed_area,

@@ -4,7 +4,9 @@ mod common;
 
 use common::{grid, grid_with_holes, mesh, rewritings, split_into_charts};
 use glam::DVec3;
-use lacuna_mesh::{Band, Boundary, FaceId, TriMesh, band, boundary, components, position_bits};
+use lacuna_mesh::{
+    Band, Boundary, BoundaryPoint, FaceId, TriMesh, band, boundary, components, position_bits,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Two grids of 18 and 8 quads, 10 m apart, the second split from the first in the list by its own vertices.
@@ -75,15 +77,10 @@ fn brute_rings(mesh: &TriMesh, seeds: &BTreeSet<[u64; 3]>) -> BTreeMap<[u64; 3],
 /// Band round the boundary points in the left half of the mesh.
 fn left_band(mesh: &TriMesh, rings: u8) -> (Band, BTreeSet<[u64; 3]>) {
     let found = boundary(mesh);
-    let seeds: Vec<bool> = found.points.iter().map(|p| p.position.x < 2.0 && p.position.y > 0.5).collect();
-    let places = found
-        .points
-        .iter()
-        .zip(&seeds)
-        .filter(|(_, s)| **s)
-        .map(|(p, _)| position_bits(p.position))
-        .collect();
-    (band(mesh, &found, &seeds, rings), places)
+    let is_seed = |p: &&BoundaryPoint| p.position.x < 2.0 && p.position.y > 0.5;
+    let wanted: Vec<u8> = found.points.iter().map(|p| if is_seed(&p) { rings } else { 0 }).collect();
+    let places = found.points.iter().filter(is_seed).map(|p| position_bits(p.position)).collect();
+    (band(mesh, &found, &wanted), places)
 }
 
 fn check_band(mesh: &TriMesh, rings: u8) -> BTreeSet<[[u64; 3]; 3]> {
@@ -94,9 +91,6 @@ fn check_band(mesh: &TriMesh, rings: u8) -> BTreeSet<[[u64; 3]; 3]> {
     assert_eq!(found.faces.iter().map(|f| f.0).collect::<Vec<_>>(), near, "{rings} rings");
     let places: BTreeSet<_> = found.vertices.iter().map(|v| position_bits(v.position)).collect();
     assert_eq!(places.len(), found.vertices.len(), "each place once");
-    for vertex in &found.vertices {
-        assert_eq!(u32::from(vertex.ring), expected[&position_bits(vertex.position)]);
-    }
     for (triangle, face) in found.triangles.iter().zip(&found.faces) {
         assert_eq!(triangle.map(|v| found.vertices[v as usize].position), mesh.corners(face.index()));
     }
@@ -127,12 +121,26 @@ fn bands_have_the_rings_that_a_search_finds_however_the_mesh_is_written() {
 fn band_vertices_know_their_boundary_points() {
     let mesh = split_into_charts(&grid_with_holes(), 9);
     let found = boundary(&mesh);
-    let all = band(&mesh, &found, &vec![true; found.points.len()], 2);
+    let all = band(&mesh, &found, &vec![2; found.points.len()]);
     let named: Vec<_> =
         all.vertices.iter().filter_map(|v| v.point.map(|p| (found.position(p), v.position))).collect();
     assert!(named.iter().all(|(a, b)| a == b));
     assert_eq!(named.len(), found.points.len());
-    assert!(all.vertices.iter().all(|v| (v.ring == 0) == v.point.is_some()));
+    assert!(all.vertices.iter().all(|v| all.find(v.vertex).map(|k| all.vertices[k as usize]) == Some(*v)));
+}
+
+#[test]
+fn each_boundary_point_has_its_own_number_of_rings() {
+    let mesh = grid_with_holes();
+    let found = boundary(&mesh);
+    let of = |number: &dyn Fn(usize) -> u8| {
+        let rings: Vec<u8> = (0..found.points.len()).map(number).collect();
+        band(&mesh, &found, &rings).faces.into_iter().collect::<BTreeSet<_>>()
+    };
+    let mixed = of(&|p| if p % 3 == 0 { 3 } else { u8::from(p % 3 == 1) });
+    let [three, one] = [of(&|p| 3 * u8::from(p % 3 == 0)), of(&|p| u8::from(p % 3 == 1))];
+    assert_eq!(mixed, three.union(&one).copied().collect());
+    assert!(one.len() < mixed.len());
 }
 
 #[test]
@@ -140,6 +148,6 @@ fn repeated_and_flat_triangles_are_not_in_the_band() {
     let places = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]];
     let mesh = mesh(&places, &[[0, 1, 2], [2, 3, 1], [0, 1, 2], [0, 3, 1]]);
     let found = boundary(&mesh);
-    let all = band(&mesh, &found, &vec![true; found.points.len()], 1);
+    let all = band(&mesh, &found, &vec![1; found.points.len()]);
     assert_eq!(all.faces, [FaceId(0)], "{:?}", found.defects);
 }

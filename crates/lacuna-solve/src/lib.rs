@@ -7,6 +7,7 @@
 
 mod error;
 mod faer_solver;
+mod gram;
 mod matrix;
 mod ordering;
 mod reference;
@@ -14,6 +15,7 @@ mod solver;
 
 pub use error::SolveError;
 pub use faer_solver::FaerSolver;
+pub use gram::WeightedRows;
 pub use matrix::{SparseSymmetric, Triplet};
 pub use reference::ReferenceSolver;
 pub use solver::{Factor, Solver};

@@ -81,6 +81,22 @@ impl SparseSymmetric {
         Ok(Self { starts, rows, values })
     }
 
+    /// The same matrix with `addends` on its diagonal, one a column; the pattern stays.
+    ///
+    /// # Errors
+    /// [`SolveError::Malformed`] unless there is one addend a column.
+    pub fn plus_diagonal(&self, addends: &[f64]) -> Result<Self, SolveError> {
+        if addends.len() != self.order() {
+            return Err(malformed("the diagonal's length is not the matrix's order"));
+        }
+        let mut sum = self.clone();
+        for (column, addend) in addends.iter().enumerate() {
+            // The first entry of a column is the one on the diagonal.
+            sum.values[self.starts[column] as usize] += addend;
+        }
+        Ok(sum)
+    }
+
     /// Number of rows and columns.
     #[must_use]
     pub fn order(&self) -> usize {

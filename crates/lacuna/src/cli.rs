@@ -128,7 +128,7 @@ pub struct SelectionArgs {
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Fill")]
 pub struct FillArgs {
-    /// Where the surface comes from [default: layered]
+    /// Where the surface comes from [default: field]
     #[arg(long, value_enum, value_name = "METHOD")]
     pub method: Option<MethodName>,
     /// Triangles of closed holes [default: auto]

@@ -302,7 +302,7 @@ fn two_runs_do_not_share_an_output() {
 fn what_is_not_in_this_version_says_so() {
     let scene = small();
     let out = scene.beside("out");
-    for flags in [&["--method", "field"][..], &["--method", "aggregate"], &["--resume"]] {
+    for flags in [&["--method", "aggregate"][..], &["--resume"]] {
         repair(&scene, &out, flags).ends(2).says("not in this version");
     }
     lacuna(["bench", "x"]).ends(2).says("not in this version");

@@ -7,7 +7,7 @@ use expected::expect_file;
 use lacuna::cli::Cli;
 use lacuna::config::{
     AreaLimit, ClosedFiller, External, FailOn, FillSettings, HoleClassFilter, HoleShapeFilter, Machine,
-    OpenFiller, RegionPlace, Settings, Untouched, UpAxis,
+    MethodName, OpenFiller, RegionPlace, Settings, Untouched, UpAxis,
 };
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -77,7 +77,7 @@ fn every_flag_reaches_the_settings() {
         ("repair in out --area box --external fill", |s| {
             s.area.limit == AreaLimit::Box && s.area.external == External::Fill
         }),
-        ("repair in out --method layered", |s| s.fill == FillSettings::default()),
+        ("repair in out --method layered", |s| s.fill.method == MethodName::Layered),
         ("repair in out --closed min_area --open delaunay", |s| {
             s.fill.closed == ClosedFiller::MinArea && s.fill.open == OpenFiller::Delaunay
         }),
@@ -123,7 +123,6 @@ fn wrong_command_lines_are_refused() {
         ("repair in out --at 5", "two numbers"),
         ("repair in out --area everything", "GeoJSON"),
         ("repair in out --area missing.geojson", "missing.geojson: cannot be read"),
-        ("repair in out --method field", "--method field is not in this version"),
         ("repair in out --method aggregate", "not in this version"),
         ("repair in out --resume", "--resume is not in this version"),
         ("bench a.ron --plots", "bench is not in this version"),
@@ -146,7 +145,7 @@ fn what_is_not_built_is_absent_from_help() {
         let sub = command.find_subcommand_mut(verb).unwrap_or_else(|| panic!("no {verb}"));
         help += &sub.render_long_help().to_string();
     }
-    for word in ["resume", "bench", "field", "aggregate", "not in this version"] {
+    for word in ["resume", "bench", "aggregate", "not in this version"] {
         assert!(!help.contains(word), "{word} in\n{help}");
     }
     assert!(help.contains("--max-edges-around-hole") && help.contains("--digest"));
@@ -202,7 +201,7 @@ fn errors_of_the_file_show_the_place() {
         ("memory with a wrong unit", "(version: 1, run: (memory: \"12 gigs\", threads: 2))"),
         ("memory as a number", "(version: 1, run: (memory: 12))"),
         ("threads that are no count", "(version: 1, run: (threads: -1))"),
-        ("method of a later version", "(version: 1, fill: (method: field))"),
+        ("method of a later version", "(version: 1, fill: (method: aggregate))"),
         ("unknown word", "(version: 1, scene: (untouched: link))"),
         ("unknown place", "(version: 1, regions: [(name: \"a\", at: circle(1, 2, 3))])"),
         ("missing key of a region", "(version: 1, regions: [(name: \"a\")])"),

@@ -279,7 +279,6 @@ fn check_support(contour: &Contour, what: &str) {
     let mut places = contour.positions();
     let count = places.len() as u32;
     places.extend(&contour.support.vertices);
-    assert_eq!(contour.support.vertices.len(), contour.support.ring.len(), "{what}");
     for t in &contour.support.triangles {
         let [a, b, c] = t.map(|v| places[v as usize].truncate());
         assert!((b - a).perp_dot(c - a) > 0.0, "{what}: support faces down");

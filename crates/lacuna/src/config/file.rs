@@ -154,8 +154,7 @@ fn version_one<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Err
 fn built_method<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<MethodName>, D::Error> {
     let method = Option::<MethodName>::deserialize(deserializer)?;
     match method {
-        Some(MethodName::Field) => Err(D::Error::custom("field is not in this version; use layered")),
-        Some(MethodName::Aggregate) => Err(D::Error::custom("aggregate is not in this version; use layered")),
+        Some(MethodName::Aggregate) => Err(D::Error::custom("aggregate is not in this version; use field")),
         other => Ok(other),
     }
 }

@@ -22,7 +22,7 @@ pub(crate) const KEYS: [Key; 34] = [
     key("", "area", "a section such as (limit: cells, external: skip)"),
     key("", "run", "a section such as (memory: \"50%\", threads: 0)"),
     key("", "find", "a section such as (min_area_m2: 0.5)"),
-    key("", "fill", "a section such as (method: layered)"),
+    key("", "fill", "a section such as (method: field)"),
     key("", "regions", "a list such as [(name: \"quay\", at: point(84512, 447233), skip: \"why\")]"),
     key("scene", "input", "a folder in quotes"),
     key("scene", "output", "a folder in quotes"),
@@ -43,7 +43,7 @@ pub(crate) const KEYS: [Key; 34] = [
     key("find", "max_edges_around_hole", "a count of edges, such as 5000"),
     key("find", "class", "a list of closed, I, II"),
     key("find", "shape", "a list of A, B, C, D"),
-    key("fill", "method", "layered"),
+    key("fill", "method", "field or layered"),
     key("fill", "closed", "auto, delaunay or min_area"),
     key("fill", "open", "auto or delaunay"),
     key("fill", "spacing_m", "a length in metres, such as 0.5"),
@@ -54,7 +54,7 @@ pub(crate) const KEYS: [Key; 34] = [
         "point(x, y), box(west, south, east, north) or polygon(\"file.geojson\"), in metres",
     ),
     key("regions", "skip", "the reason in quotes"),
-    key("regions", "fill", "a section such as (method: layered)"),
+    key("regions", "fill", "a section such as (method: field)"),
 ];
 
 /// Keys of the design that later versions bring.

@@ -251,9 +251,8 @@ fn fill(file: &FillSection, base: FillSettings) -> FillSettings {
 
 fn fill_flags(flags: &FillArgs, base: FillSettings) -> Result<FillSettings, ConfigError> {
     match flags.method {
-        Some(MethodName::Field) => return Err(not_built("--method field", Some("use layered"))),
-        Some(MethodName::Aggregate) => return Err(not_built("--method aggregate", Some("use layered"))),
-        Some(MethodName::Layered) | None => {}
+        Some(MethodName::Aggregate) => return Err(not_built("--method aggregate", Some("use field"))),
+        Some(MethodName::Field | MethodName::Layered) | None => {}
     }
     Ok(FillSettings {
         method: flags.method.unwrap_or(base.method),

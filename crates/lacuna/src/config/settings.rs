@@ -56,15 +56,26 @@ pub enum FailOn {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum MethodName {
-    /// Layer by layer from the outside in (the paper).
+    /// One height field a cluster.
     #[default]
-    Layered,
-    /// One height field a cluster: not in this version.
-    #[value(hide = true)]
     Field,
+    /// Layer by layer from the outside in (the paper).
+    Layered,
     /// All cells in one mesh: not in this version.
     #[value(hide = true)]
     Aggregate,
+}
+
+impl MethodName {
+    /// The word in configurations and reports.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Field => "field",
+            Self::Layered => "layered",
+            Self::Aggregate => "aggregate",
+        }
+    }
 }
 
 /// Fillers of closed holes.

@@ -81,7 +81,6 @@ pub(crate) fn hole_records(
     names: &Names,
     outcomes: &[HoleOutcome],
     fills: &Fills,
-    method: &str,
 ) -> Vec<HoleRecord> {
     plan.holes
         .iter()
@@ -91,7 +90,7 @@ pub(crate) fn hole_records(
             let is_filled = outcome.outcome == Outcome::Filled;
             let fill = fills.get(&(h as u32)).and_then(|f| f.as_ref().ok()).filter(|_| is_filled);
             let new_vertices = |f: &FilledHole| {
-                let copies = f.sources.iter().filter(|s| matches!(s, lacuna_close::Source::New)).count();
+                let copies = f.sources.iter().filter(|s| s.is_new()).count();
                 (copies + f.patch.vertices.len()) as u64
             };
             HoleRecord {
@@ -106,8 +105,8 @@ pub(crate) fn hole_records(
                 perimeter_m: hole.perimeter_m,
                 rim_vertices: u64::from(hole.rim_vertices),
                 outcome: outcome.outcome,
-                reason: outcome.reason.clone(),
-                method: fill.map(|_| method.to_owned()),
+                reason: outcome.reason.clone().or_else(|| fill.and_then(instead_of_field)),
+                method: fill.map(|f| f.method.word().to_owned()),
                 filler: fill.map(|f| f.filler.to_string()),
                 patch_vertices: fill.map_or(0, new_vertices),
                 patch_triangles: fill.map_or(0, |f| f.patch.triangles.len() as u64),
@@ -116,6 +115,10 @@ pub(crate) fn hole_records(
             }
         })
         .collect()
+}
+
+fn instead_of_field(fill: &FilledHole) -> Option<String> {
+    fill.instead_of_field.as_ref().map(|why| format!("{} instead of field: {why}", fill.method.word()))
 }
 
 fn class(class: lacuna_hole::HoleClass) -> HoleClass {

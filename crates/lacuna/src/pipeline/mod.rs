@@ -4,6 +4,7 @@ mod area;
 mod assemble;
 mod context;
 mod error;
+mod field;
 mod frames;
 mod info;
 mod manifest;

@@ -312,11 +312,11 @@ fn finish(
     } else {
         frames(planned).compare(plan, curves, is_filled)
     };
-    let holes = hole_records(plan, &planned.names, &outcomes, fills, "layered");
+    let holes = hole_records(plan, &planned.names, &outcomes, fills);
     let report = Report {
         version: REPORT_VERSION,
         lacuna: env!("CARGO_PKG_VERSION").to_owned(),
-        method: "layered".to_owned(),
+        method: settings.fill.method.word().to_owned(),
         threads: context.pool.thread_count(),
         memory_limit_bytes: settings.run.memory_limit_bytes,
         peak_rss_bytes: lacuna_system::peak_rss_bytes().unwrap_or(0),

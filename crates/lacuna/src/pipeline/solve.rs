@@ -2,17 +2,18 @@
 
 use super::RunError;
 use super::context::{Context, StageKind};
+use super::field::{Fields, solve_fields};
 use super::frames::Frames;
-use crate::config::{ClosedFiller, FillSettings, OpenFiller};
+use crate::config::{ClosedFiller, FillSettings, MethodName, OpenFiller};
 use glam::DVec3;
 use lacuna_close::{CellContour, Curves, LayeredOptions, Source, contour, project};
-use lacuna_fill::{FillError, FillParams, Filled, Filler, FillerChoice, HeightRule, fill};
+use lacuna_fill::{FillError, FillParams, Filled, Filler, FillerChoice, HeightRule, fill, raise};
 use lacuna_grid::CellId;
 use lacuna_hole::{Anchor, BorderMode, CurveKind, HoleClass, Plan, Surveys};
 use lacuna_mesh::{Patch, PlanView, QualityStats, check_patch};
 use lacuna_schedule::{Job, JobResult, MemoryBudget};
 use lacuna_seam::{SeamVertex, SmoothParams, buffer_m, smooth};
-use lacuna_solve::FaerSolver;
+use lacuna_solve::{FaerSolver, Solver};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A hole's patch, and what its writer and its seams need of the contour.
@@ -25,6 +26,10 @@ pub(crate) struct FilledHole {
     pub(crate) patch: Patch,
     pub(crate) filler: Filler,
     pub(crate) quality: QualityStats,
+    /// Where its heights come from.
+    pub(crate) method: MethodName,
+    /// Why not from a field, where one was asked for.
+    pub(crate) instead_of_field: Option<String>,
 }
 
 /// Why a hole has no patch.
@@ -44,10 +49,14 @@ pub(crate) struct Solved {
     pub(crate) curves: Curves,
 }
 
+/// Growth of edge lengths with the distance from the rim, in methods that grade them.
+const GROWTH: f64 = 0.3;
+
 /// Closes and fills all holes of `todo` (hole numbers).
 ///
-/// Steps: curves from the rims, layer by layer; patches, a barrier after every layer; then the curves between holes of
-/// one layer are smoothed towards the patches on both sides and the cells they touch are filled again.
+/// Steps: curves from the rims, layer by layer; the fields of the clusters that use them, which raise their curves and
+/// patches; patches, a barrier after every layer; then the curves between holes of one layer that no field raised are
+/// smoothed towards the patches on both sides and the cells they touch are filled again.
 pub(crate) fn solve(
     surveys: &Surveys,
     plan: &Plan,
@@ -56,14 +65,25 @@ pub(crate) fn solve(
     settings_of: &(dyn Fn(u32) -> FillSettings + Sync),
     context: &Context<'_>,
 ) -> Result<Solved, RunError> {
-    let options = LayeredOptions { growth: 0.0, spacing_m: context.settings.fill.spacing_m };
-    let mut curves = project(surveys, plan, &options);
+    let options = |growth| LayeredOptions { growth, spacing_m: context.settings.fill.spacing_m };
+    let growth = if context.settings.fill.method == MethodName::Field { GROWTH } else { 0.0 };
+    let mut curves = project(surveys, plan, &options(growth));
     frames.round_curves(plan, &mut curves);
     context.progress.start(StageKind::Fill, todo.len() as u64, todo.len() as u64);
-    let mut filler =
-        HoleFiller { surveys, plan, frames, settings_of, context, budget: context.budget_beside(0) };
+    let mut filler = HoleFiller {
+        surveys,
+        plan,
+        frames,
+        settings_of,
+        context,
+        solver: &FaerSolver,
+        fields: Fields::default(),
+        budget: context.budget_beside(0),
+    };
     let kept = todo.iter().map(|&h| filler.patch_bytes(h)).fold(0, u64::saturating_add);
     filler.budget = context.budget_beside(kept);
+    filler.fields = solve_fields(&filler, todo, &mut curves)?;
+    frames.round_curves(plan, &mut curves);
     let mut fills = Fills::new();
     for layer in layers_of(plan, todo) {
         let holes: BTreeSet<u32> =
@@ -87,12 +107,15 @@ fn layers_of(plan: &Plan, todo: &BTreeSet<u32>) -> BTreeSet<u32> {
 }
 
 /// What a worker needs to fill one hole.
-struct HoleFiller<'a> {
-    surveys: &'a Surveys,
-    plan: &'a Plan,
+pub(crate) struct HoleFiller<'a> {
+    pub(crate) surveys: &'a Surveys,
+    pub(crate) plan: &'a Plan,
     frames: &'a Frames,
-    settings_of: &'a (dyn Fn(u32) -> FillSettings + Sync),
+    pub(crate) settings_of: &'a (dyn Fn(u32) -> FillSettings + Sync),
     context: &'a Context<'a>,
+    pub(crate) solver: &'a dyn Solver,
+    /// Heights from the clusters' fields.
+    fields: Fields,
     /// What the limit leaves beside the surveys and all patches.
     budget: MemoryBudget,
 }
@@ -102,23 +125,12 @@ impl HoleFiller<'_> {
     fn fill_all(&self, holes: &BTreeSet<u32>, curves: &Curves) -> Result<Fills, RunError> {
         let holes: Vec<u32> = holes.iter().copied().collect();
         let jobs: Vec<Job> = holes.iter().map(|&h| self.job(h)).collect();
-        let context = self.context;
-        let results = context
-            .pool
-            .run(
-                &jobs,
-                &self.budget,
-                &context.stop,
-                |k| self.fill_one(holes[k], curves),
-                |_| {
-                    context.progress.advance(1);
-                },
-            )
-            .map_err(|e| {
-                let cell = self.plan.holes[holes[e.index] as usize].cell;
-                context.memory_too_small(&cell.to_string(), e.needed_bytes, e.limit_bytes)
-            })?;
-        context.check_stop()?;
+        let fill = |k: usize| {
+            let filled = self.fill_one(holes[k], curves);
+            self.context.progress.advance(1);
+            filled
+        };
+        let results = self.run(&jobs, &|k| self.name(holes[k]), &fill)?;
         let outcome = |result| match result {
             JobResult::Done(outcome) => outcome,
             JobResult::Panicked(message) => {
@@ -129,8 +141,29 @@ impl HoleFiller<'_> {
         Ok(holes.into_iter().zip(results.into_iter().map(outcome)).collect())
     }
 
+    /// Runs jobs under the memory limit; `name` tells what a job that does not fit works on.
+    pub(crate) fn run<T: Send>(
+        &self,
+        jobs: &[Job],
+        name: &dyn Fn(usize) -> String,
+        work: &(dyn Fn(usize) -> T + Sync),
+    ) -> Result<Vec<JobResult<T>>, RunError> {
+        let context = self.context;
+        let results = context
+            .pool
+            .run(jobs, &self.budget, &context.stop, work, |_| {})
+            .map_err(|e| context.memory_too_small(&name(e.index), e.needed_bytes, e.limit_bytes))?;
+        context.check_stop()?;
+        Ok(results)
+    }
+
+    /// The cell of a hole, for messages.
+    pub(crate) fn name(&self, hole: u32) -> String {
+        self.plan.holes[hole as usize].cell.to_string()
+    }
+
     /// Memory of one fill: 2.4 kB an unknown (measured on hollow cells of 1e5 triangles), the triangulation included.
-    fn job(&self, hole: u32) -> Job {
+    pub(crate) fn job(&self, hole: u32) -> Job {
         Job { key: u64::from(hole), bytes: ((2400.0 * self.unknowns(hole)) as u64).saturating_add(1 << 20) }
     }
 
@@ -149,15 +182,13 @@ impl HoleFiller<'_> {
     }
 
     fn fill_one(&self, hole: u32, curves: &Curves) -> Result<FilledHole, NotFilled> {
-        let record = &self.plan.holes[hole as usize];
-        let frame = self.frames.of(record.cell);
-        let round = |p: DVec3| frame.map_or(p, |f| f.round(p));
-        let contour = contour(self.surveys, self.plan, record, curves, &round)
-            .map_err(|e| NotFilled { is_refusal: true, reason: e.to_string() })?;
-        let params = params(&(self.settings_of)(hole), record.class);
-        let solver = FaerSolver;
-        let mut filled = fill(&contour.contour, &params, &solver).map_err(|e| refused(&e))?;
-        self.round(record.cell, &contour, &mut filled)?;
+        let contour = self.contour(hole, curves)?;
+        let filled = match self.fields.holes.get(&hole) {
+            Some(field) => raise(&contour.contour, &field.triangulation, &field.new_m),
+            None => fill(&contour.contour, &fill_params(self, hole), self.solver),
+        };
+        let mut filled = filled.map_err(|e| refused(&e))?;
+        self.round(self.plan.holes[hole as usize].cell, &contour, &mut filled)?;
         add_strip(&contour, &mut filled.patch);
         Ok(FilledHole {
             rim: contour.contour.positions(),
@@ -165,7 +196,22 @@ impl HoleFiller<'_> {
             patch: filled.patch,
             filler: filled.filler,
             quality: filled.quality,
+            method: if self.fields.holes.contains_key(&hole) {
+                MethodName::Field
+            } else {
+                MethodName::Layered
+            },
+            instead_of_field: self.fields.refused.get(&hole).cloned(),
         })
+    }
+
+    /// The contour of a hole, with closing points as its tile stores them.
+    pub(crate) fn contour(&self, hole: u32, curves: &Curves) -> Result<CellContour, NotFilled> {
+        let record = &self.plan.holes[hole as usize];
+        let frame = self.frames.of(record.cell);
+        let round = |p: DVec3| frame.map_or(p, |f| f.round(p));
+        contour(self.surveys, self.plan, record, curves, &round)
+            .map_err(|e| NotFilled { is_refusal: true, reason: e.to_string() })
     }
 
     /// Rounds new vertices to what the tile stores, and checks the patch as it will be read again.
@@ -196,8 +242,9 @@ fn refused(error: &FillError) -> NotFilled {
 }
 
 /// Settings of the fill of one hole. `layered` keeps the rim's density (growth 0), as the paper does.
-fn params(settings: &FillSettings, class: HoleClass) -> FillParams {
-    let filler = if class == HoleClass::Closed {
+pub(crate) fn fill_params(filler: &HoleFiller<'_>, hole: u32) -> FillParams {
+    let settings = (filler.settings_of)(hole);
+    let choice = if filler.plan.holes[hole as usize].class == HoleClass::Closed {
         match settings.closed {
             ClosedFiller::Auto => FillerChoice::Auto,
             ClosedFiller::Delaunay => FillerChoice::Delaunay,
@@ -210,9 +257,9 @@ fn params(settings: &FillSettings, class: HoleClass) -> FillParams {
         }
     };
     FillParams {
-        filler,
+        filler: choice,
         spacing_m: settings.spacing_m,
-        growth: 0.0,
+        growth: if settings.method == MethodName::Field { GROWTH } else { 0.0 },
         heights: HeightRule::Biharmonic,
         ..FillParams::default()
     }
@@ -228,7 +275,8 @@ fn smooth_seams(plan: &Plan, curves: &mut Curves, fills: &Fills) -> Vec<u32> {
         let layers: BTreeSet<u32> = curve.holes.iter().map(|&h| plan.holes[h as usize].layer).collect();
         let patches: Vec<&FilledHole> =
             curve.holes.iter().filter_map(|h| fills.get(h)?.as_ref().ok()).collect();
-        if layers.len() != 1 || patches.len() != 2 {
+        let is_raised = patches.iter().any(|p| p.method == MethodName::Field);
+        if layers.len() != 1 || patches.len() != 2 || is_raised {
             continue;
         }
         let inner = &mut curves.curves[c].inner;

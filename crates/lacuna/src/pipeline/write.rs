@@ -199,7 +199,7 @@ fn hole_patch(input: &WriteInput<'_>, hole: u32, part: Option<&Part>) -> Option<
         cluster: input.names.clusters[record.cluster as usize].clone(),
         class: record.class.class().to_owned(),
         shape: record.class.shape().map(|s| s.letter().to_owned()),
-        method: "layered".to_owned(),
+        method: filled.method.word().to_owned(),
         filler: filled.filler.to_string(),
         area_m2: (record.area_m2 * 1e3).round() / 1e3,
         vertices,

@@ -9,7 +9,7 @@ use crate::{ExitCode, RunError};
 use glam::DVec2;
 use lacuna_grid::{Area, CellId, Domain, Grid, GridHints, TileBox, infer_grid};
 use lacuna_hole::{BorderFit, BorderMode, CellSurvey, Surveys, fit_borders};
-use lacuna_mesh::{Band, Boundary, Bounds, TriMesh, boundary};
+use lacuna_mesh::{Band, Boundary, Bounds, Fans, TriMesh, boundary};
 use lacuna_tile::{ReadOptions, Scene, TileGroup, UpAxis, read_tile};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -142,6 +142,7 @@ fn survey(scene: &Scene, group: &TileGroup, options: &ReadOptions) -> Option<Cel
         spacing_m: Vec::new(),
         components: Vec::new(),
         band: Band::default(),
+        fans: Fans::default(),
         median_edge_m: median(&mut lengths),
     })
 }

@@ -1,0 +1,98 @@
+//! Method `field`: one height field a cluster gives every cell its part (algorithms D.3).
+
+use crate::Curves;
+use crate::contour::{Source, closing_source};
+use crate::height_field::{FieldError, FieldParams, HeightField, height_field};
+use crate::region::{ClusterRegion, FieldPart, Joint, cluster_region};
+use lacuna_hole::{Plan, Surveys};
+use lacuna_solve::Solver;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The heights that a cluster's field gives to what its cells bring.
+#[derive(Clone, Debug, Default)]
+pub struct ClusterField {
+    /// Heights of the new vertices of each part's triangulation, metres.
+    pub new_m: Vec<Vec<f64>>,
+    joints: BTreeMap<Joint, f64>,
+    /// Places in the region: the unknowns of the solve.
+    pub unknowns: usize,
+    /// Share of the surrounding vertices that were taken for outliers.
+    pub outlier_share: f64,
+    /// How often tension was raised against overshoot.
+    pub tension_steps: u32,
+    /// Smoothing length, rim edges.
+    pub smoothing_edges: f64,
+}
+
+/// Fits one surface over all parts of a cluster.
+///
+/// # Errors
+/// [`FieldError`]; the cluster can still be filled by `layered`.
+pub fn field(
+    surveys: &Surveys,
+    plan: &Plan,
+    parts: &[FieldPart<'_>],
+    params: &FieldParams,
+    solver: &dyn Solver,
+) -> Result<ClusterField, FieldError> {
+    let ClusterRegion { region, new, joints } = cluster_region(surveys, plan, parts);
+    let HeightField { heights_m, outlier_share, tension_steps, smoothing_edges } =
+        height_field(&region, params, solver)?;
+    let height = |v: u32| heights_m.get(v as usize).copied();
+    let heights = |ids: &Vec<u32>| ids.iter().map(|&v| height(v).ok_or(FieldError::LooseVertex)).collect();
+    Ok(ClusterField {
+        new_m: new.iter().map(heights).collect::<Result<_, _>>()?,
+        joints: joints.into_iter().filter_map(|(joint, v)| Some((joint, height(v)?))).collect(),
+        unknowns: region.places.len(),
+        outlier_share,
+        tension_steps,
+        smoothing_edges,
+    })
+}
+
+/// Writes a field's heights, and where the lines of two cells differ its slope across the border, into the curves.
+pub fn raise_curves(plan: &Plan, field: &ClusterField, curves: &mut Curves) {
+    let closing: BTreeSet<u32> = field
+        .joints
+        .keys()
+        .filter_map(|joint| match joint {
+            Joint::Closing(point) => Some(point.curve),
+            Joint::Corner(_) => None,
+        })
+        .collect();
+    for (joint, &z) in &field.joints {
+        if let Joint::Corner(corner) = joint
+            && let Some(place) = curves.corners.get_mut(corner)
+        {
+            place.z = z;
+        }
+    }
+    for c in closing {
+        raise_curve(plan, field, c, curves);
+    }
+}
+
+fn raise_curve(plan: &Plan, field: &ClusterField, c: u32, curves: &mut Curves) {
+    let curve = &plan.curves[c as usize];
+    let side = curve.border.side;
+    let sides = [side, side.opposite()];
+    let domains = curve.border.cells().map(|cell| plan.domains.get(&cell));
+    let lines = domains.iter().zip(sides).filter_map(|(d, side)| d.map(|d| d.side(side).line));
+    let lines: Vec<f64> = lines.collect();
+    let low = lines.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = lines.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let joint = |source| match source {
+        Source::Closing(point) => field.joints.get(&Joint::Closing(point)),
+        Source::Corner(corner) => field.joints.get(&Joint::Corner(corner)),
+        _ => None,
+    };
+    for k in 0..curves.curves[c as usize].inner.len() {
+        let height = |is_upper| joint(closing_source(plan, curves, c, k, is_upper)).copied();
+        let Some(at_low) = height(false) else { continue };
+        let at_high = height(true).unwrap_or(at_low);
+        let slope = if high > low { (at_high - at_low) / (high - low) } else { 0.0 };
+        let points = &mut curves.curves[c as usize];
+        points.inner[k].z = at_low + slope * (curve.line - low);
+        points.slope[k] = slope;
+    }
+}

@@ -1,0 +1,153 @@
+//! Method `field`: triangulations of all holes in plan, then one height field a cluster.
+
+use super::RunError;
+use super::solve::{HoleFiller, fill_params};
+use crate::config::{ClosedFiller, FillSettings, MethodName};
+use lacuna_close::{CellContour, ClusterField, Curves, FieldParams, FieldPart, contour, field, raise_curves};
+use lacuna_fill::{Triangulation, triangulate_in_plan};
+use lacuna_hole::HoleClass;
+use lacuna_schedule::{Job, JobResult};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What a cluster's field gives to one hole.
+pub(crate) struct RaisedHole {
+    pub(crate) triangulation: Triangulation,
+    /// Heights of the new vertices, metres.
+    pub(crate) new_m: Vec<f64>,
+}
+
+/// Fields of all clusters in work.
+#[derive(Default)]
+pub(crate) struct Fields {
+    /// By hole number.
+    pub(crate) holes: BTreeMap<u32, RaisedHole>,
+    /// Why a cluster has none, by hole number: it is left to `layered`.
+    pub(crate) refused: BTreeMap<u32, String>,
+}
+
+/// Bytes a place in the region takes while its field is solved (measured; algorithms D.4 says 1.6 kB an unknown).
+const BYTES_A_PLACE: f64 = 2000.0;
+/// Places behind the rim for each rim vertex: three rings, shared by the two sides of a corner.
+const RING_PLACES: f64 = 3.5;
+
+/// Triangulates the holes of all clusters that use `field`, fits the fields, and writes their heights into the curves.
+pub(crate) fn solve_fields(
+    filler: &HoleFiller<'_>,
+    todo: &BTreeSet<u32>,
+    curves: &mut Curves,
+) -> Result<Fields, RunError> {
+    let wanted: BTreeSet<u32> =
+        todo.iter().copied().filter(|&h| is_wanted(filler, h, &(filler.settings_of)(h))).collect();
+    let mut refused = BTreeMap::new();
+    let mut triangulations = BTreeMap::new();
+    for (h, result) in triangulate_all(filler, &wanted, curves)? {
+        match result {
+            Ok(triangulation) => _ = triangulations.insert(h, triangulation),
+            Err(reason) => _ = refused.insert(h, reason),
+        }
+    }
+    let mut clusters: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for &h in &wanted {
+        clusters.entry(filler.plan.holes[h as usize].cluster).or_default().push(h);
+    }
+    clusters.retain(|_, holes| {
+        let reason = holes.iter().find_map(|h| refused.get(h).cloned());
+        if let Some(reason) = &reason {
+            holes.iter().for_each(|&h| _ = refused.insert(h, reason.clone()));
+        }
+        reason.is_none()
+    });
+    let mut fields = Fields { refused, ..Fields::default() };
+    for (holes, result) in fit_all(filler, clusters.into_values().collect(), &triangulations, curves)? {
+        match result {
+            Ok(mut fitted) => {
+                raise_curves(filler.plan, &fitted, curves);
+                for (h, new_m) in holes.into_iter().zip(std::mem::take(&mut fitted.new_m)) {
+                    if let Some(triangulation) = triangulations.remove(&h) {
+                        fields.holes.insert(h, RaisedHole { triangulation, new_m });
+                    }
+                }
+            }
+            Err(reason) => fields.refused.extend(holes.into_iter().map(|h| (h, reason.clone()))),
+        }
+    }
+    Ok(fields)
+}
+
+/// A closed hole may ask for the least area instead.
+fn is_wanted(filler: &HoleFiller<'_>, hole: u32, settings: &FillSettings) -> bool {
+    let is_closed = filler.plan.holes[hole as usize].class == HoleClass::Closed;
+    settings.method == MethodName::Field && !(is_closed && settings.closed == ClosedFiller::MinArea)
+}
+
+type Triangulated = Vec<(u32, Result<Triangulation, String>)>;
+
+fn triangulate_all(
+    filler: &HoleFiller<'_>,
+    holes: &BTreeSet<u32>,
+    curves: &Curves,
+) -> Result<Triangulated, RunError> {
+    let holes: Vec<u32> = holes.iter().copied().collect();
+    let jobs: Vec<Job> = holes.iter().map(|&h| filler.job(h)).collect();
+    let triangulate = |k: usize| {
+        let contour = filler.contour(holes[k], curves).map_err(|e| e.reason)?;
+        let params = fill_params(filler, holes[k]);
+        triangulate_in_plan(&contour.contour, &params).map_err(|e| e.to_string())
+    };
+    let results = filler.run(&jobs, &|k| filler.name(holes[k]), &triangulate)?;
+    Ok(holes.iter().copied().zip(results.into_iter().map(flat)).collect())
+}
+
+type Fitted = Vec<(Vec<u32>, Result<ClusterField, String>)>;
+
+fn fit_all(
+    filler: &HoleFiller<'_>,
+    clusters: Vec<Vec<u32>>,
+    triangulations: &BTreeMap<u32, Triangulation>,
+    curves: &Curves,
+) -> Result<Fitted, RunError> {
+    let places = |h: u32| {
+        let rim = f64::from(filler.plan.holes[h as usize].rim_vertices);
+        triangulations.get(&h).map_or(0, |t| t.vertices.len()) as f64 + RING_PLACES * rim
+    };
+    let bytes =
+        |holes: &Vec<u32>| (BYTES_A_PLACE * holes.iter().map(|&h| places(h)).sum::<f64>()) as u64 + (1 << 20);
+    let jobs: Vec<Job> =
+        clusters.iter().map(|holes| Job { key: u64::from(holes[0]), bytes: bytes(holes) }).collect();
+    let fit = |k: usize| fit_one(filler, &clusters[k], triangulations, curves);
+    let results = filler.run(&jobs, &|k| filler.name(clusters[k][0]), &fit)?;
+    let results: Vec<_> = results.into_iter().map(flat).collect();
+    Ok(clusters.into_iter().zip(results).collect())
+}
+
+fn fit_one(
+    filler: &HoleFiller<'_>,
+    holes: &[u32],
+    triangulations: &BTreeMap<u32, Triangulation>,
+    curves: &Curves,
+) -> Result<ClusterField, String> {
+    // Closing points as the curves have them, not as each tile rounds them: neighbours must find theirs again.
+    let exact = |h: u32| {
+        let hole = &filler.plan.holes[h as usize];
+        contour(filler.surveys, filler.plan, hole, curves, &|p| p).map_err(|e| e.to_string())
+    };
+    let contours: Vec<CellContour> = holes.iter().map(|&h| exact(h)).collect::<Result<_, _>>()?;
+    let parts: Vec<FieldPart<'_>> = holes
+        .iter()
+        .zip(&contours)
+        .filter_map(|(&h, contour)| {
+            let hole = &filler.plan.holes[h as usize];
+            Some(FieldPart { hole, contour, triangulation: triangulations.get(&h)? })
+        })
+        .collect();
+    field(filler.surveys, filler.plan, &parts, &FieldParams::default(), filler.solver)
+        .map_err(|e| e.to_string())
+}
+
+fn flat<T>(result: JobResult<Result<T, String>>) -> Result<T, String> {
+    match result {
+        JobResult::Done(outcome) => outcome,
+        JobResult::Panicked(message) => Err(format!("a fault of the program: {message}")),
+        JobResult::Stopped => Err("stopped".to_owned()),
+    }
+}
