@@ -14,9 +14,12 @@ use std::collections::BTreeMap;
 pub struct LayeredOptions {
     /// How much the distance of points may grow per metre from the ends of a stretch; 0 keeps the rim's density.
     pub growth: f64,
-    /// Distance of points along the border, metres; `None`: from the rim.
+    /// Largest distance of points along the border, metres; `None`: the rim's, or 16 times it where distances grow.
     pub spacing_m: Option<f64>,
 }
+
+/// Growing distances end at this many times the rim's (decisions 18).
+const LARGEST_EDGES: f64 = 16.0;
 
 /// A vertex whose height is known: of a rim, of a neighbour's border, or of a curve of a lower layer.
 struct Target {
@@ -220,10 +223,12 @@ impl Projection<'_> {
         DVec2::ZERO
     }
 
-    /// Mean rim edge at the ends of a stretch, metres; the scene's median edge where an end is bare.
+    /// Distance of points at the ends of a stretch, metres: the mean rim edge there; the scene's median edge where an end
+    /// is bare.
     fn spacing(&self, curve: &Curve) -> f64 {
-        if let Some(spacing) = self.options.spacing_m {
-            return spacing;
+        let largest_m = self.options.spacing_m.unwrap_or(f64::INFINITY);
+        if self.options.growth <= 0.0 && largest_m.is_finite() {
+            return largest_m;
         }
         let at = |anchor| match anchor {
             Anchor::Point(cell, point) => {
@@ -233,21 +238,24 @@ impl Projection<'_> {
         };
         let known: Vec<f64> =
             [at(curve.low), at(curve.high)].into_iter().flatten().filter(|s| *s > 0.0).collect();
-        if known.is_empty() {
+        let of_rim = if known.is_empty() {
             self.plan.fit.edge_m.max(1e-3)
         } else {
             known.iter().sum::<f64>() / known.len() as f64
-        }
+        };
+        of_rim.min(largest_m)
     }
 
     /// Spaces points along a stretch and gives them the profile's heights.
     fn place_points(&mut self, c: u32) {
         let curve = &self.plan.curves[c as usize];
         let spacing_m = self.spacing(curve);
-        let (side, growth) = (curve.border.side, self.options.growth);
+        let side = curve.border.side;
+        let largest_m = self.options.spacing_m.unwrap_or(LARGEST_EDGES * spacing_m);
+        let rule = Spacing { first_m: spacing_m, growth: self.options.growth, largest_m };
         let Some(profile) = &self.profiles[c as usize] else { return };
         let [low, high] = self.corner_squares(curve);
-        let mut along = spaced(low.unwrap_or(curve.low_m), high.unwrap_or(curve.high_m), spacing_m, growth);
+        let mut along = rule.points(low.unwrap_or(curve.low_m), high.unwrap_or(curve.high_m));
         if let Some(t) = low {
             along.insert(0, t);
         }
@@ -312,42 +320,84 @@ fn over_surface(survey: &CellSurvey, curve: &Curve, side: Side) -> Profile {
     Profile::from_candidates(candidates, curve.low_m, bin)
 }
 
-/// Points strictly between two ends whose distance is `spacing_m` at the ends and grows by `growth` per metre from the
-/// nearer one; the same whichever end the walk starts from.
-fn spaced(low_m: f64, high_m: f64, spacing_m: f64, growth: f64) -> Vec<f64> {
-    let length = high_m - low_m;
-    if growth <= 0.0 {
-        let steps = (length / spacing_m.max(1e-9)).round().clamp(1.0, 1e7) as usize;
-        return (1..steps).map(|k| low_m + length * (k as f64 / steps as f64)).collect();
+/// Distances of points along a stretch.
+struct Spacing {
+    /// At the ends, metres.
+    first_m: f64,
+    /// By how much they grow per metre from the nearer end.
+    growth: f64,
+    /// At the most, metres.
+    largest_m: f64,
+}
+
+impl Spacing {
+    /// Points strictly between two ends; the same whichever end the walk starts from.
+    fn points(&self, low_m: f64, high_m: f64) -> Vec<f64> {
+        let length = high_m - low_m;
+        let half = self.steps_to(length / 2.0);
+        let steps = (2.0 * half).round().clamp(1.0, 1e7) as usize;
+        let at = |k: usize| {
+            let s = 2.0 * half * (k as f64 / steps as f64);
+            if s <= half { low_m + self.distance_of(s) } else { high_m - self.distance_of(2.0 * half - s) }
+        };
+        (1..steps).map(at).collect()
     }
-    // The number of steps up to distance d from an end is the integral of 1 / (spacing + growth d).
-    let steps_to = |d: f64| (1.0 + growth * d / spacing_m).ln() / growth;
-    let distance_of = |steps: f64| ((growth * steps).exp() - 1.0) * spacing_m / growth;
-    let half = steps_to(length / 2.0);
-    let steps = (2.0 * half).round().clamp(1.0, 1e7) as usize;
-    let at = |k: usize| {
-        let s = 2.0 * half * (k as f64 / steps as f64);
-        if s <= half { low_m + distance_of(s) } else { high_m - distance_of(2.0 * half - s) }
-    };
-    (1..steps).map(at).collect()
+
+    /// Distance from the end where the largest spacing is reached, metres.
+    fn grown_m(&self) -> f64 {
+        if self.growth > 0.0 {
+            ((self.largest_m - self.first_m) / self.growth).max(0.0)
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Number of steps up to a distance from an end: the integral of 1 / spacing.
+    fn steps_to(&self, distance_m: f64) -> f64 {
+        if self.growth <= 0.0 {
+            return distance_m / self.first_m.max(1e-9);
+        }
+        let growing = distance_m.min(self.grown_m());
+        (1.0 + self.growth * growing / self.first_m).ln() / self.growth
+            + (distance_m - growing) / self.largest_m
+    }
+
+    /// The reverse of `steps_to`.
+    fn distance_of(&self, steps: f64) -> f64 {
+        if self.growth <= 0.0 {
+            return steps * self.first_m.max(1e-9);
+        }
+        let growing = steps.min(self.steps_to(self.grown_m()));
+        ((self.growth * growing).exp() - 1.0) * self.first_m / self.growth
+            + (steps - growing) * self.largest_m
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::spaced;
+    use super::Spacing;
 
-    #[test]
-    fn points_are_even_without_growth() {
-        assert_eq!(spaced(0.0, 10.0, 2.4, 0.0), [2.5, 5.0, 7.5]);
-        assert!(spaced(0.0, 1.0, 5.0, 0.0).is_empty());
+    fn spaced(length_m: f64, first_m: f64, growth: f64, largest_m: f64) -> Vec<f64> {
+        Spacing { first_m, growth, largest_m }.points(0.0, length_m)
     }
 
     #[test]
-    fn growing_points_are_symmetric_and_ascend() {
-        let points = spaced(0.0, 100.0, 1.0, 0.3);
-        assert!(points.windows(2).all(|w| w[0] < w[1]));
-        let mirrored: Vec<f64> = points.iter().rev().map(|p| 100.0 - p).collect();
-        assert!(points.iter().zip(&mirrored).all(|(a, b)| (a - b).abs() < 1e-9));
-        assert!((points[0] - 1.0).abs() < 0.3, "{}", points[0]);
+    fn points_are_even_without_growth() {
+        assert_eq!(spaced(10.0, 2.4, 0.0, 99.0), [2.5, 5.0, 7.5]);
+        assert!(spaced(1.0, 5.0, 0.0, 99.0).is_empty());
+    }
+
+    #[test]
+    fn growing_points_are_symmetric_and_ascend_up_to_the_largest_distance() {
+        for largest_m in [1.0, 3.0, 99.0] {
+            let points = spaced(100.0, 1.0, 0.3, largest_m);
+            let mirrored: Vec<f64> = points.iter().rev().map(|p| 100.0 - p).collect();
+            assert!(points.iter().zip(&mirrored).all(|(a, b)| (a - b).abs() < 1e-9));
+            assert!((points[0] - 1.0).abs() < 0.3, "{}", points[0]);
+            let steps: Vec<f64> = points.windows(2).map(|w| w[1] - w[0]).collect();
+            let most = steps.iter().copied().fold(0.0, f64::max);
+            assert!(steps.iter().all(|s| *s > 0.0) && most < 1.05 * largest_m.min(15.0), "{most}");
+            assert!(most > 0.9 * largest_m.min(8.0), "{most}");
+        }
     }
 }
