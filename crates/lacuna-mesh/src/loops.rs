@@ -61,6 +61,7 @@ pub struct BoundaryLoops {
 /// Source: algorithm note, section A.5.
 #[must_use]
 pub fn loops(boundary: &Boundary) -> BoundaryLoops {
+    debug_assert!(boundary.edges.is_sorted_by_key(|e| (e.from, e.to, e.face)));
     let mut walker = Walker::new(boundary);
     let mut found = Vec::new();
     let mut open_edges = 0;
@@ -72,7 +73,7 @@ pub fn loops(boundary: &Boundary) -> BoundaryLoops {
     let all = found.len();
     found.retain(|edges| edges.len() >= 3);
     let cracks = all - found.len();
-    found.iter_mut().for_each(|edges| start_at_smallest(boundary, edges));
+    found.iter_mut().for_each(|edges| start_at_smallest(edges));
     found.sort_by_cached_key(|edges| edges.clone());
     BoundaryLoops {
         loops: found.into_iter().map(|edges| BoundaryLoop { edges }).collect(),
@@ -82,8 +83,7 @@ pub fn loops(boundary: &Boundary) -> BoundaryLoops {
 }
 
 /// Edges are sorted by their start, so the smallest edge starts at the smallest point.
-fn start_at_smallest(boundary: &Boundary, edges: &mut [u32]) {
-    debug_assert!(boundary.edges.is_sorted_by_key(|e| (e.from, e.to, e.face)));
+fn start_at_smallest(edges: &mut [u32]) {
     let first = (0..edges.len()).min_by_key(|&i| edges[i]).unwrap_or(0);
     edges.rotate_left(first);
 }
@@ -137,7 +137,8 @@ impl<'a> Walker<'a> {
 
     /// Takes the walk since `point` off the stack: a loop. What stays on the stack ends at `point`.
     fn cut_off(&mut self, point: PointId) -> Vec<u32> {
-        let edges = self.stack.split_off(self.on_stack[point.index()] as usize - 1);
+        // Not `split_off`: that may hand out the stack itself, with room for the longest walk so far, in every loop.
+        let edges: Vec<u32> = self.stack.drain(self.on_stack[point.index()] as usize - 1..).collect();
         self.leave_stack(&edges);
         edges
     }
