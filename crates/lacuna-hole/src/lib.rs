@@ -4,6 +4,7 @@
 //! survey of a cell -> how tiles meet their borders -> edge labels -> chains and coverage -> perimeter walk -> closed
 //! loops and islands -> classes -> borders seen from both cells -> clusters -> layers.
 
+mod box_tree;
 mod classify;
 mod closed;
 mod cluster;

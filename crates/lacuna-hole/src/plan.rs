@@ -1,7 +1,9 @@
 //! The plan: every hole of the scene with its class, cluster, layer, and what closes it on the borders.
 
 use crate::classify::classify;
-use crate::closed::{LoopKind, hovers, is_debris, judge_loop, loop_polygon, smallest_around};
+use crate::closed::{
+    HolePolygon, HolePolygons, LoopKind, highest, hovers, is_debris, judge_loop, loop_polygon,
+};
 use crate::cluster::{ClusterRule, DisjointSets};
 use crate::coverage::{Coverage, coverage};
 use crate::cut::{bridge_reach, mark_cuts};
@@ -251,10 +253,8 @@ pub fn plan(surveys: &Surveys, options: &PlanOptions) -> Plan {
     for (cell, work) in &works {
         builder.add_cell(by_cell[cell], work);
     }
-    let views: BTreeMap<CellId, CellView<'_>> = works
-        .iter()
-        .map(|(&c, w)| (c, CellView { survey: by_cell[&c], domain: &w.domain, coverage: &w.coverage }))
-        .collect();
+    let views: BTreeMap<CellId, CellView<'_>> =
+        works.iter().map(|(&c, w)| (c, CellView::new(by_cell[&c], &w.domain, &w.coverage))).collect();
     builder.finish(&views)
 }
 
@@ -300,12 +300,10 @@ impl<'a> Builder<'a> {
     fn add_cell(&mut self, survey: &CellSurvey, work: &CellWork) {
         self.count(NotHole::Overhang, work.walked.stray_chains);
         self.unclear += work.walked.broken.len() as u32;
-        let first = self.holes.len();
         let open = self.real_holes(survey, work);
-        let open_count = open.len();
-        let mut polygons: Vec<(Vec<DVec2>, f64)> = open
+        let mut polygons: Vec<HolePolygon> = open
             .iter()
-            .map(|pieces| with_area(outline(survey, &work.domain, &work.coverage, pieces)))
+            .map(|pieces| HolePolygon::new(outline(survey, &work.domain, &work.coverage, pieces)))
             .collect();
         let (mut closed, mut outlines) = (Vec::new(), Vec::new());
         for &index in &work.coverage.closed {
@@ -313,33 +311,25 @@ impl<'a> Builder<'a> {
             match judge_loop(l) {
                 LoopKind::Hole => {
                     closed.push(index);
-                    polygons.push(with_area(loop_polygon(survey, l)));
+                    polygons.push(HolePolygon::new(loop_polygon(survey, l)));
                 }
                 LoopKind::Outline => outlines.push(index),
                 LoopKind::Not(what) => self.count(what, 1),
             }
         }
-        let rims_of = |pieces: &[RawPiece]| -> Vec<u32> {
-            let chains = pieces.iter().filter_map(|p| match p {
-                RawPiece::Chain(c) => Some(&work.coverage.chains[*c].edges),
-                _ => None,
-            });
-            chains.flatten().copied().collect()
-        };
-        let rims: Vec<Vec<u32>> = open
-            .iter()
-            .map(|pieces| rims_of(pieces))
-            .chain(closed.iter().map(|&l| survey.loops[l as usize].edges.clone()))
-            .collect();
-        let islands = self.assign_islands(survey, &polygons, &rims, &outlines);
-        for (k, pieces) in open.into_iter().enumerate() {
-            self.add_open(survey, work, pieces, polygons[k].clone(), islands[k].clone());
+        let open_rims = open.iter().map(|pieces| highest(survey, chain_edges(&work.coverage, pieces)));
+        let closed_rims =
+            closed.iter().map(|&l| highest(survey, survey.loops[l as usize].edges.iter().copied()));
+        let rims_highest_m: Vec<Option<f64>> = open_rims.chain(closed_rims).collect();
+        let polygons = HolePolygons::new(polygons);
+        let islands = self.assign_islands(survey, &polygons, &rims_highest_m, &outlines);
+        let mut shapes = polygons.list.into_iter().zip(islands);
+        for (pieces, (polygon, islands)) in open.into_iter().zip(shapes.by_ref()) {
+            self.add_open(survey, work, pieces, polygon, islands);
         }
-        for (k, &index) in closed.iter().enumerate() {
-            let at = open_count + k;
-            self.add_closed(survey, index, polygons[at].clone(), islands[at].clone());
+        for (&index, (polygon, islands)) in closed.iter().zip(shapes) {
+            self.add_closed(survey, index, polygon, islands);
         }
-        debug_assert_eq!(self.holes.len(), first + polygons.len());
     }
 
     /// The walks that run round missing surface. One without a border piece (its rim is in parts because a cut inside the
@@ -352,11 +342,7 @@ impl<'a> Builder<'a> {
                 let polygon = outline(survey, &work.domain, &work.coverage, pieces);
                 if signed_area(&polygon) > 0.0 { LoopKind::Hole } else { LoopKind::Not(NotHole::Overhang) }
             } else {
-                let chains = pieces.iter().filter_map(|p| match p {
-                    RawPiece::Chain(c) => Some(&work.coverage.chains[*c].edges),
-                    _ => None,
-                });
-                let edges: Vec<u32> = chains.flatten().copied().collect();
+                let edges: Vec<u32> = chain_edges(&work.coverage, pieces).collect();
                 judge_loop(&survey_loop(survey, edges, u32::MAX))
             };
             match judged {
@@ -372,16 +358,16 @@ impl<'a> Builder<'a> {
     fn assign_islands(
         &mut self,
         survey: &CellSurvey,
-        polygons: &[(Vec<DVec2>, f64)],
-        rims: &[Vec<u32>],
+        polygons: &HolePolygons,
+        rims_highest_m: &[Option<f64>],
         outlines: &[u32],
     ) -> Vec<Vec<u32>> {
-        let mut islands = vec![Vec::new(); polygons.len()];
+        let mut islands = vec![Vec::new(); polygons.list.len()];
         for &index in outlines {
             let l = &survey.loops[index as usize];
-            let around = smallest_around(polygons, &loop_polygon(survey, l));
+            let around = polygons.smallest_around(&loop_polygon(survey, l));
             match around {
-                Some(k) if !is_debris(survey, l.component) && !hovers(survey, l, &rims[k]) => {
+                Some(k) if !is_debris(survey, l.component) && !hovers(survey, l, rims_highest_m[k]) => {
                     islands[k].push(index);
                 }
                 _ => self.count(NotHole::Floater, 1),
@@ -395,7 +381,7 @@ impl<'a> Builder<'a> {
         survey: &CellSurvey,
         work: &CellWork,
         raw: &[RawPiece],
-        (polygon, area_m2): (Vec<DVec2>, f64),
+        polygon: HolePolygon,
         islands: Vec<u32>,
     ) {
         let fit = &self.options.fit;
@@ -421,10 +407,10 @@ impl<'a> Builder<'a> {
             islands,
             external_share,
             is_external: external_share > 0.0,
-            area_m2,
+            area_m2: polygon.area_m2,
             perimeter_m: 0.0,
             rim_vertices: 0,
-            outline: polygon,
+            outline: polygon.outline,
             upright: false,
             leave: None,
         };
@@ -475,13 +461,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn add_closed(
-        &mut self,
-        survey: &CellSurvey,
-        index: u32,
-        (polygon, plan_area_m2): (Vec<DVec2>, f64),
-        islands: Vec<u32>,
-    ) {
+    fn add_closed(&mut self, survey: &CellSurvey, index: u32, polygon: HolePolygon, islands: Vec<u32>) {
         let l = &survey.loops[index as usize];
         let space_area = l.vector_area.length();
         let upright = l.vector_area.z.abs() < 0.15 * space_area;
@@ -494,10 +474,10 @@ impl<'a> Builder<'a> {
             islands,
             external_share: 0.0,
             is_external: false,
-            area_m2: if upright { space_area } else { plan_area_m2 },
+            area_m2: if upright { space_area } else { polygon.area_m2 },
             perimeter_m: 0.0,
             rim_vertices: 0,
-            outline: polygon,
+            outline: polygon.outline,
             upright,
             leave: None,
         };
@@ -654,9 +634,13 @@ fn make_external(hole: &mut Hole) {
     }
 }
 
-fn with_area(polygon: Vec<DVec2>) -> (Vec<DVec2>, f64) {
-    let area = signed_area(&polygon).abs();
-    (polygon, area)
+/// Boundary edges of a walk's rim chains, in walking order.
+fn chain_edges<'w>(coverage: &'w Coverage, pieces: &'w [RawPiece]) -> impl Iterator<Item = u32> + 'w {
+    let chains = pieces.iter().filter_map(|p| match p {
+        RawPiece::Chain(c) => Some(&coverage.chains[*c].edges),
+        _ => None,
+    });
+    chains.flatten().copied()
 }
 
 /// True if some original surface bounds the hole: a rim of its own, a neighbour's border, or a neighbour's surface under

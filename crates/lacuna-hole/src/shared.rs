@@ -2,11 +2,13 @@
 //! (algorithms note B.3).
 
 use crate::CellSurvey;
+use crate::box_tree::BoxTree;
 use crate::coverage::{BorderRun, Coverage};
 use crate::fit::{BorderFit, BorderMode};
 use crate::plan::{Anchor, Curve, CurveKind, Leave, Span};
 use glam::DVec3;
 use lacuna_grid::{CellId, Domain, Side, SideLabel};
+use lacuna_mesh::Bounds;
 use std::collections::BTreeMap;
 
 /// A hole's stretch of one side, counter-clockwise.
@@ -30,6 +32,31 @@ pub(crate) struct CellView<'a> {
     pub(crate) survey: &'a CellSurvey,
     pub(crate) domain: &'a Domain,
     pub(crate) coverage: &'a Coverage,
+    /// Border runs of each side, and the intervals that they cover.
+    sides: [(Vec<&'a BorderRun>, BoxTree); 4],
+}
+
+impl<'a> CellView<'a> {
+    pub(crate) fn new(survey: &'a CellSurvey, domain: &'a Domain, coverage: &'a Coverage) -> Self {
+        let sides = Side::ALL.map(|side| {
+            let runs: Vec<&BorderRun> = coverage.runs.iter().filter(|r| r.side == side).collect();
+            let tree = BoxTree::new(runs.iter().map(|r| interval(along_interval(domain, r))));
+            (runs, tree)
+        });
+        Self { survey, domain, coverage, sides }
+    }
+
+    /// The border runs of a side that reach to within `slack_m` of a stretch, in the order of the coverage.
+    fn runs_near(&self, side: Side, low_m: f64, high_m: f64, slack_m: f64) -> Vec<&'a BorderRun> {
+        let (runs, tree) = &self.sides[side.index()];
+        let near = tree.touching(&interval((low_m - slack_m, high_m + slack_m)));
+        near.into_iter().map(|k| runs[k]).collect()
+    }
+}
+
+/// An interval as a box.
+fn interval((low_m, high_m): (f64, f64)) -> Bounds {
+    Bounds { min: DVec3::X * low_m, max: DVec3::X * high_m }
 }
 
 /// Spans of every side piece (in the order of `pieces`), the curves, and why a piece can't be closed.
@@ -49,6 +76,13 @@ pub(crate) fn share(pieces: &[SidePiece], cells: &BTreeMap<CellId, CellView<'_>>
     for (k, p) in pieces.iter().enumerate() {
         by_side.entry((p.cell, p.side)).or_default().push(k);
     }
+    let by_side: BTreeMap<(CellId, Side), (Vec<usize>, BoxTree)> = by_side
+        .into_iter()
+        .map(|(side, list)| {
+            let tree = BoxTree::new(list.iter().map(|&k| interval((pieces[k].low_m, pieces[k].high_m))));
+            (side, (list, tree))
+        })
+        .collect();
     // (piece, piece of the neighbour) -> curve
     let mut both_open: BTreeMap<(usize, usize), u32> = BTreeMap::new();
     for (k, p) in pieces.iter().enumerate() {
@@ -59,8 +93,11 @@ pub(crate) fn share(pieces: &[SidePiece], cells: &BTreeMap<CellId, CellView<'_>>
                 (vec![Span::Curve(curve)], None)
             }
             SideLabel::Neighbour(other) => {
-                let facing = by_side.get(&(other, p.side.opposite())).map_or(&[][..], Vec::as_slice);
-                let opens = open_stretches(k, facing, pieces, fit, domain, &mut both_open, &mut result);
+                let facing =
+                    by_side.get(&(other, p.side.opposite())).map_or_else(Vec::new, |(list, tree)| {
+                        tree.touching(&interval((p.low_m, p.high_m))).into_iter().map(|f| list[f]).collect()
+                    });
+                let opens = open_stretches(k, &facing, pieces, fit, domain, &mut both_open, &mut result);
                 closed_and_open(
                     p,
                     &opens,
@@ -215,15 +252,15 @@ fn cover(
         low: end(low_m, p.low_m, p.low),
         high: end(high_m, p.high_m, p.high),
         holes: vec![p.hole as u32],
-        over: edges_under(other, side, low_m, high_m),
+        over: edges_under(other, side, low_m, high_m, fit),
     };
     Ok(Span::Curve(push_curve(curves, curve)))
 }
 
 /// Length of `[low_m, high_m]` that border runs of the neighbour's side cover.
 fn covered_length(other: &CellView<'_>, side: Side, low_m: f64, high_m: f64) -> f64 {
-    let mut intervals: Vec<(f64, f64)> =
-        other.coverage.runs.iter().filter(|r| r.side == side).map(|r| along_interval(other, r)).collect();
+    let runs = other.runs_near(side, low_m, high_m, 0.0);
+    let mut intervals: Vec<(f64, f64)> = runs.iter().map(|r| along_interval(other.domain, r)).collect();
     intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut at, mut sum) = (low_m, 0.0);
     for (low, high) in intervals {
@@ -237,24 +274,24 @@ fn covered_length(other: &CellView<'_>, side: Side, low_m: f64, high_m: f64) -> 
 }
 
 /// Boundary edges of a side that reach into a stretch.
-fn edges_under(other: &CellView<'_>, side: Side, low_m: f64, high_m: f64) -> Vec<u32> {
+fn edges_under(other: &CellView<'_>, side: Side, low_m: f64, high_m: f64, fit: &BorderFit) -> Vec<u32> {
     let reaches = |e: &u32| {
         let [a, b] = [other.survey.from(*e), other.survey.to(*e)].map(|p| side.along(p.truncate()));
         a.min(b) <= high_m && a.max(b) >= low_m
     };
-    let runs = other.coverage.runs.iter().filter(|r| r.side == side);
-    runs.flat_map(|r| r.edges.iter().copied()).filter(reaches).collect()
+    let runs = other.runs_near(side, low_m, high_m, fit.gap_m);
+    runs.iter().flat_map(|r| r.edges.iter().copied()).filter(reaches).collect()
 }
 
 /// Interval of a run in the coordinate along its side.
-fn along_interval(view: &CellView<'_>, run: &BorderRun) -> (f64, f64) {
+fn along_interval(domain: &Domain, run: &BorderRun) -> (f64, f64) {
     let ends = [run.low_m, run.high_m].map(|s| {
-        let from_start = s - view.domain.side_start_m(run.side);
+        let from_start = s - domain.side_start_m(run.side);
         match run.side {
-            Side::South => view.domain.low.x + from_start,
-            Side::East => view.domain.low.y + from_start,
-            Side::North => view.domain.high.x - from_start,
-            Side::West => view.domain.high.y - from_start,
+            Side::South => domain.low.x + from_start,
+            Side::East => domain.low.y + from_start,
+            Side::North => domain.high.x - from_start,
+            Side::West => domain.high.y - from_start,
         }
     });
     (ends[0].min(ends[1]), ends[0].max(ends[1]))
@@ -265,8 +302,8 @@ fn adopt(p: &SidePiece, (from_m, to_m): (f64, f64), other: &CellView<'_>, fit: &
     let direction = (to_m - from_m).signum();
     let along = |point: DVec3| direction * p.side.along(point.truncate());
     let (from, to) = (direction * from_m, direction * to_m);
-    let mut runs: Vec<&BorderRun> =
-        other.coverage.runs.iter().filter(|r| r.side == p.side.opposite()).collect();
+    let slack_m = fit.gap_m + fit.tolerance_m;
+    let mut runs = other.runs_near(p.side.opposite(), from_m.min(to_m), from_m.max(to_m), slack_m);
     runs.sort_by(|a, b| b.loop_edges.cmp(&a.loop_edges).then(a.low_m.total_cmp(&b.low_m)));
     let mut chosen: Vec<(f64, f64, Vec<u32>)> = Vec::new();
     for run in runs {

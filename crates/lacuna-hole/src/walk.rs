@@ -2,8 +2,10 @@
 //! note B.4).
 
 use crate::CellSurvey;
-use crate::coverage::{Coverage, End, uncovered};
+use crate::box_tree::BoxTree;
+use crate::coverage::{Coverage, End, RimChain, uncovered};
 use glam::DVec3;
+use lacuna_mesh::Bounds;
 
 /// A piece of an open hole's outline, counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,9 +51,11 @@ pub(crate) fn walk(
     }
     let mut links: Vec<Option<Link>> = vec![None; coverage.chains.len()];
     let mut taken = vec![false; coverage.chains.len()];
+    let ends = BorderEnds::new(coverage, perimeter_m, |c| c.end);
+    let starts = BorderEnds::new(coverage, perimeter_m, |c| c.start);
     for (from, to) in uncovered(&coverage.covered, perimeter_m, gap_m) {
-        let end = nearest_chain(coverage, from, perimeter_m, gap_m, |c| c.end, |k| links[k].is_some());
-        let start = nearest_chain(coverage, to, perimeter_m, gap_m, |c| c.start, |k| taken[k]);
+        let end = ends.nearest(from, gap_m, |k| links[k].is_some());
+        let start = starts.nearest(to, gap_m, |k| taken[k]);
         if let (Some(end), Some(start)) = (end, start) {
             links[end] = Some(Link { border: Some((from, to)), next: start });
             taken[start] = true;
@@ -69,26 +73,49 @@ pub(crate) fn walk(
     walked
 }
 
-/// The chain with an end within `gap_m` of parameter `s`; the nearest, then the one of the longest loop, then the first.
-fn nearest_chain(
-    coverage: &Coverage,
-    s: f64,
+/// Ends (or starts) of the rim chains that lie on the border, by perimeter parameter.
+struct BorderEnds<'a> {
+    coverage: &'a Coverage,
     perimeter_m: f64,
-    gap_m: f64,
-    end: impl Fn(&crate::coverage::RimChain) -> End,
-    used: impl Fn(usize) -> bool,
-) -> Option<usize> {
-    let distance = |k: usize| match end(&coverage.chains[k]) {
-        End::Border(_, at) => {
-            let d = (at - s).rem_euclid(perimeter_m);
-            d.min(perimeter_m - d)
-        }
-        End::Cut(_) => f64::INFINITY,
-    };
-    (0..coverage.chains.len()).filter(|&k| !used(k) && distance(k) <= gap_m.max(1e-6)).min_by(|&a, &b| {
-        let length = |k: usize| coverage.chains[k].loop_edges;
-        distance(a).total_cmp(&distance(b)).then(length(b).cmp(&length(a))).then(a.cmp(&b))
-    })
+    /// Chain and parameter.
+    ends: Vec<(usize, f64)>,
+    tree: BoxTree,
+}
+
+impl<'a> BorderEnds<'a> {
+    fn new(coverage: &'a Coverage, perimeter_m: f64, end: impl Fn(&RimChain) -> End) -> Self {
+        let on_border = |(k, chain): (usize, &RimChain)| match end(chain) {
+            End::Border(_, at) => Some((k, at.rem_euclid(perimeter_m))),
+            End::Cut(_) => None,
+        };
+        let ends: Vec<(usize, f64)> = coverage.chains.iter().enumerate().filter_map(on_border).collect();
+        let tree = BoxTree::new(ends.iter().map(|e| Bounds { min: DVec3::X * e.1, max: DVec3::X * e.1 }));
+        Self { coverage, perimeter_m, ends, tree }
+    }
+
+    /// The chain with an end within `gap_m` of parameter `s`; the nearest, then the one of the longest loop, then the
+    /// first.
+    fn nearest(&self, s: f64, gap_m: f64, used: impl Fn(usize) -> bool) -> Option<usize> {
+        let reach_m = gap_m.max(1e-6);
+        let distance = |at: f64| {
+            let d = (at - s).rem_euclid(self.perimeter_m);
+            d.min(self.perimeter_m - d)
+        };
+        let around = |s: f64| {
+            // Wider than the exact test below by more than `rem_euclid` rounds.
+            let reach = DVec3::X * (reach_m + 1e-6);
+            self.tree.touching(&Bounds { min: DVec3::X * s - reach, max: DVec3::X * s + reach })
+        };
+        let s = s.rem_euclid(self.perimeter_m);
+        let near = [s - self.perimeter_m, s, s + self.perimeter_m].into_iter().flat_map(around);
+        let free = near.map(|k| self.ends[k]).filter(|e| !used(e.0) && distance(e.1) <= reach_m);
+        let length = |k: usize| self.coverage.chains[k].loop_edges;
+        free.min_by(|a, b| {
+            let by_loop = length(b.0).cmp(&length(a.0)).then(a.0.cmp(&b.0));
+            distance(a.1).total_cmp(&distance(b.1)).then(by_loop)
+        })
+        .map(|e| e.0)
+    }
 }
 
 /// Joins free chain ends of a kind to free chain starts of that kind within `reach_m` in space, nearest pairs first.
@@ -109,9 +136,11 @@ fn link_near(
         .filter(|(k, c)| !taken[*k] && is_kind(&c.start))
         .filter_map(|(k, c)| Some((k, survey.from(*c.edges.first()?))))
         .collect();
+    let tree = BoxTree::new(starts.iter().map(|&(_, p)| Bounds { min: p, max: p }));
     let mut pairs = Vec::new();
     for &(a, end) in &ends {
-        let near = starts.iter().map(|&(b, start)| (end.distance(start), a, b));
+        let around = Bounds { min: end - reach_m, max: end + reach_m };
+        let near = tree.touching(&around).into_iter().map(|k| (end.distance(starts[k].1), a, starts[k].0));
         pairs.extend(near.filter(|pair| pair.0 <= reach_m));
     }
     pairs.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
@@ -142,12 +171,15 @@ fn link_narrow_mouths(
 
 fn follow(links: &[Option<Link>], walked: &mut Walked) {
     let mut seen = vec![false; links.len()];
+    // For each chain, the last walk that came by, by its first chain.
+    let mut walk_of = vec![usize::MAX; links.len()];
     for first in 0..links.len() {
         if seen[first] {
             continue;
         }
         let mut pieces = Vec::new();
         let mut chains = vec![first];
+        walk_of[first] = first;
         let mut at = first;
         let closed = loop {
             pieces.push(RawPiece::Chain(at));
@@ -157,9 +189,10 @@ fn follow(links: &[Option<Link>], walked: &mut Walked) {
             if at == first {
                 break true;
             }
-            if seen[at] || chains.contains(&at) {
+            if seen[at] || walk_of[at] == first {
                 break false;
             }
+            walk_of[at] = first;
             chains.push(at);
         };
         if closed {
