@@ -5,23 +5,28 @@
 //! loops and islands -> classes -> borders seen from both cells -> clusters -> layers.
 
 mod box_tree;
+mod build;
 mod classify;
 mod closed;
 mod cluster;
+mod corner;
 mod coverage;
 mod cut;
 mod fit;
+mod group;
 mod label;
 mod layer;
 mod outline;
+mod place;
 mod plan;
 mod shared;
 mod survey;
 mod walk;
 
+pub use build::plan;
 pub use classify::{HoleClass, HoleShape};
 pub use closed::NotHole;
 pub use cluster::ClusterRule;
 pub use fit::{BorderFit, BorderMode, fit_borders};
-pub use plan::{Anchor, Curve, CurveKind, Hole, HoleCluster, Leave, Piece, Plan, PlanOptions, Span, plan};
+pub use plan::{Anchor, Curve, CurveKind, Hole, HoleCluster, Leave, Piece, Plan, PlanOptions, Span};
 pub use survey::{CellSurvey, LoopSurvey, Surveys, survey};
