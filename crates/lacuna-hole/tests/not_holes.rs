@@ -148,6 +148,25 @@ fn a_hole_across_a_cut_that_reaches_the_border() {
 }
 
 #[test]
+fn a_fragment_beside_a_straight_rim_is_no_cut() {
+    // A hole whose rim runs along axes; fragments with edges of their own a decimetre beside it.
+    for (name, low, size_m, quads, rise_m, expected) in [
+        ("one side, an island", (9.1, 10.5), 3.0, 3, 0.0, "1,1 closed L1 #0 27 +1"),
+        ("one side, higher", (9.1, 10.5), 3.0, 3, 0.3, "1,1 closed L1 #0 27 +1"),
+        ("one side, debris", (9.1, 10.5), 1.8, 4, 0.0, "1,1 closed L1 #0 36"),
+        ("in the corner, an island", (9.1, 9.1), 3.0, 3, 0.0, "1,1 closed L1 #0 27 +1"),
+        ("in the corner, debris", (9.1, 9.1), 1.8, 4, 0.0, "1,1 closed L1 #0 36"),
+    ] {
+        let mut scene = kit::lattice_of(3, 3, &[cut(9.0, 9.0, 15.0, 15.0)], &|x, y| {
+            DVec3::new(f64::from(x), f64::from(y), 5.0)
+        });
+        let low = DVec2::from(low);
+        append(scene.tile(1, 1), sheet(low, low + size_m, 5.0 + rise_m, quads, quads));
+        assert_eq!(lines(&scene.plan().plan), [expected], "{name}");
+    }
+}
+
+#[test]
 fn a_balcony_over_the_border() {
     // A sheet above the ground that ends on the border: its outline opens nothing.
     let mut scene = lattice(3, 3, 0.2, &[]);
