@@ -159,8 +159,8 @@ fn open_stretches(
                 line: domain.side(p.side).line,
                 low_m,
                 high_m,
-                low: inner_anchor(p.low_m, p.low, q.low_m, q.low, fit.tolerance_m),
-                high: inner_anchor(-p.high_m, p.high, -q.high_m, q.high, fit.tolerance_m),
+                low: inner_anchor(p.low_m, p.low, q.low_m, q.low, fit),
+                high: inner_anchor(-p.high_m, p.high, -q.high_m, q.high, fit),
                 holes: vec![p.hole as u32, q.hole as u32],
                 over: Vec::new(),
             };
@@ -172,12 +172,17 @@ fn open_stretches(
     opens
 }
 
-/// Of two ends of one stretch the one farther in; where both lie together a vertex goes before a bare corner.
-fn inner_anchor(a_m: f64, a: Anchor, b_m: f64, b: Anchor, tolerance_m: f64) -> Anchor {
-    if a_m > b_m + tolerance_m {
+/// Of two ends of one stretch the one farther in; where both lie together a vertex goes before a bare corner. Where tiles
+/// are not cut on the line, two vertices are never at one place: from the outer one the contour of the other cell would
+/// run back over its own surface.
+fn inner_anchor(a_m: f64, a: Anchor, b_m: f64, b: Anchor, fit: &BorderFit) -> Anchor {
+    let is_cut_on_line = matches!(fit.mode, BorderMode::Exact | BorderMode::Overrun);
+    let are_vertices = matches!((a, b), (Anchor::Point(..), Anchor::Point(..)));
+    let together_m = if are_vertices && !is_cut_on_line { 0.0 } else { fit.tolerance_m };
+    if a_m > b_m + together_m {
         return a;
     }
-    if b_m > a_m + tolerance_m {
+    if b_m > a_m + together_m {
         return b;
     }
     // The same for both cells of the border: vertices by cell, then number.
@@ -354,4 +359,28 @@ fn trim(
 /// The run's own first and last vertices stand where its surface ends.
 fn is_extreme(k: usize, count: usize) -> bool {
     k == 0 || k + 1 == count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lacuna_grid::CornerId;
+
+    #[test]
+    fn the_inner_end_counts_where_tiles_are_not_cut_on_the_line() {
+        let [first, second] =
+            [1, 2].map(|point| Anchor::Point(CellId::new(0, 0), lacuna_mesh::PointId(point)));
+        let corner = Anchor::Corner(CornerId { j: 0, i: 0 });
+        for (name, mode, a, b, expected) in [
+            ("ragged, the second farther in", BorderMode::Ragged, (0.0, first), (0.4, second), second),
+            ("ragged, the first farther in", BorderMode::Ragged, (0.4, first), (0.0, second), first),
+            ("ragged, a corner is no vertex", BorderMode::Ragged, (0.4, corner), (0.0, second), second),
+            ("exact, at one place", BorderMode::Exact, (0.0, first), (0.4, second), first),
+            ("exact, apart", BorderMode::Exact, (0.0, first), (2.0, second), second),
+        ] {
+            let fit =
+                BorderFit { mode, margin_m: 0.0, tolerance_m: 1.0, gap_m: 2.0, absorb_m: 2.0, edge_m: 1.0 };
+            assert_eq!(inner_anchor(a.0, a.1, b.0, b.1, &fit), expected, "{name}");
+        }
+    }
 }
