@@ -2,7 +2,8 @@
 
 use crate::Curves;
 use crate::strip::{square_lines, square_triangles, step_triangles};
-use glam::DVec3;
+use crate::untangle::untangle;
+use glam::{DVec2, DVec3};
 use lacuna_grid::{CellId, CornerId, Side};
 use lacuna_hole::{Anchor, BorderMode, CellSurvey, Hole, Piece, Plan, Span, Surveys};
 use lacuna_mesh::{
@@ -137,6 +138,9 @@ impl Builder<'_> {
                     }
                 }
             }
+        }
+        if matches!(self.plan.fit.mode, BorderMode::Ragged | BorderMode::Overlap) {
+            ring.untangle();
         }
         ring.finish()
     }
@@ -483,6 +487,21 @@ impl RingBuilder {
         self.vertices.push(ContourVertex { position, spacing_m });
         self.sources.push(source);
         self.edges.push(BORDER_EDGE);
+    }
+
+    /// Takes out vertices of others where the ring crosses itself.
+    fn untangle(&mut self) {
+        let places: Vec<DVec2> = self.vertices.iter().map(|v| v.position.truncate()).collect();
+        let left = untangle(&places, |v| self.sources[v] == Source::New);
+        if left.len() == places.len() {
+            return;
+        }
+        let n = places.len();
+        let follows = |k: usize| left[(k + 1) % left.len()] == (left[k] + 1) % n;
+        self.edges =
+            (0..left.len()).map(|k| if follows(k) { self.edges[left[k]] } else { BORDER_EDGE }).collect();
+        self.vertices = left.iter().map(|&v| self.vertices[v]).collect();
+        self.sources = left.iter().map(|&v| self.sources[v]).collect();
     }
 
     fn finish(mut self) -> Result<(ContourRing, Vec<Source>), CloseError> {

@@ -13,6 +13,7 @@ mod plate;
 mod profile;
 mod region;
 mod strip;
+mod untangle;
 
 pub use contour::{CellContour, CloseError, ClosingPoint, Source, contour};
 pub use curve::{BorderCurve, Curves};
