@@ -10,7 +10,7 @@ use crate::cut::{bridge_reach, mark_cuts};
 use crate::group::group;
 use crate::label::label_edges;
 use crate::outline::{outline, side_stretches};
-use crate::place::{PlaceInArea, place_in_area};
+use crate::place::{AreaOutline, PlaceInArea};
 use crate::plan::{Anchor, Hole, Leave, Piece, Plan, PlanOptions};
 use crate::shared::{CellView, SidePiece, share};
 use crate::survey::survey_loop;
@@ -69,6 +69,8 @@ fn cell_work(survey: &CellSurvey, options: &PlanOptions) -> CellWork {
 /// Collects holes cell by cell, then joins them.
 struct Builder<'a> {
     options: &'a PlanOptions,
+    /// The area's outline, if it is given by polygons.
+    area_outline: Option<AreaOutline<'a>>,
     holes: Vec<Hole>,
     pieces: Vec<SidePiece>,
     /// For each side piece: (hole, index in its outer ring).
@@ -79,8 +81,13 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     fn new(options: &'a PlanOptions) -> Self {
+        let area_outline = match &options.area.limit {
+            AreaLimit::Polygon(rings) => Some(AreaOutline::new(rings)),
+            _ => None,
+        };
         Self {
             options,
+            area_outline,
             holes: Vec::new(),
             pieces: Vec::new(),
             places: Vec::new(),
@@ -284,15 +291,10 @@ impl<'a> Builder<'a> {
 
     /// Adds the figures that follow from the pieces, and judges the hole against a polygon area.
     fn push_hole(&mut self, survey: &CellSurvey, mut hole: Hole) {
-        if let AreaLimit::Polygon(rings) = &self.options.area.limit {
-            match place_in_area(&hole.outline, rings) {
-                PlaceInArea::Inside => {}
-                PlaceInArea::Outside => make_external(&mut hole),
-                PlaceInArea::Crosses => {
-                    make_external(&mut hole);
-                    hole.leave = Some(Leave::CrossesArea);
-                }
-            }
+        match self.area_outline.as_ref().map(|area| area.place(&hole.outline)) {
+            None | Some(PlaceInArea::Inside) => {}
+            Some(PlaceInArea::Outside) => leave_external(&mut hole, Leave::OutsideArea),
+            Some(PlaceInArea::Crosses) => leave_external(&mut hole, Leave::CrossesArea),
         }
         let length =
             |edges: &[u32]| -> f64 { edges.iter().map(|&e| survey.from(e).distance(survey.to(e))).sum() };
@@ -338,9 +340,11 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// A hole that the area's outline cuts, or beyond it, counts as external.
-fn make_external(hole: &mut Hole) {
+/// A hole that the area's outline cuts, or beyond it, counts as external, and stays: where it should end inside the area
+/// no tile says.
+fn leave_external(hole: &mut Hole, why: Leave) {
     hole.is_external = true;
+    hole.leave = Some(why);
     if let HoleClass::Internal(shape) = hole.class {
         hole.class = HoleClass::External(shape);
     }

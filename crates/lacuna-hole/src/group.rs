@@ -83,9 +83,17 @@ fn cluster(all: &[Hole], holes: Vec<u32>) -> HoleCluster {
         area_m2: holes.iter().map(|h| hole(h).area_m2).sum(),
         layers: holes.iter().map(|h| hole(h).layer).max().unwrap_or(0),
         is_external: holes.iter().any(|h| hole(h).is_external),
-        leave: holes.iter().filter_map(|h| hole(h).leave).max().max(unsolved),
+        leave: leave_of(holes.iter().map(|h| hole(h).leave)).max(unsolved),
         holes,
     }
+}
+
+/// Why a cluster is left: what is said last of its holes. One with holes in the area and outside crosses its outline.
+fn leave_of(holes: impl Iterator<Item = Option<Leave>> + Clone) -> Option<Leave> {
+    let is_outside = |leave: &Option<Leave>| *leave == Some(Leave::OutsideArea);
+    let is_parted = holes.clone().any(|l| is_outside(&l)) && !holes.clone().all(|l| is_outside(&l));
+    let leave = holes.flatten().max();
+    if is_parted && leave == Some(Leave::OutsideArea) { Some(Leave::CrossesArea) } else { leave }
 }
 
 /// True if some original surface bounds the hole: a rim of its own, a neighbour's border, or a neighbour's surface under

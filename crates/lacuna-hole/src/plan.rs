@@ -20,6 +20,8 @@ pub enum Leave {
     BadNeighbour,
     /// The hole crosses the outline of a polygon area: where it should end is not known to the tiles.
     CrossesArea,
+    /// The hole lies outside the area's polygon.
+    OutsideArea,
     /// No hole of the cluster has any surface on its rim: its height is unknown.
     NoSurface,
 }
@@ -30,6 +32,7 @@ impl fmt::Display for Leave {
             Self::UnmatchedBorder => "no rim of the neighbouring tile matches the hole on their border",
             Self::BadNeighbour => "a neighbouring tile could not be read",
             Self::CrossesArea => "the hole crosses the outline of the area's polygon",
+            Self::OutsideArea => "the hole lies outside the area's polygon",
             Self::NoSurface => "no tile of the cluster has surface to take heights from",
         })
     }

@@ -3,7 +3,7 @@
 mod kit;
 
 use glam::DVec2;
-use kit::{CELL_M, Planned, Scene, Step, block, cut, keep, lattice, lines};
+use kit::{CELL_M, Limit, Planned, Scene, Step, block, cut, keep, lattice, lines};
 use lacuna_grid::{CellId, CornerId, Grid, Side};
 use lacuna_hole::{Anchor, ClusterRule, CurveKind, Hole, Leave, Piece, Span};
 use std::collections::BTreeMap;
@@ -231,4 +231,46 @@ fn a_wall_at_the_end_of_an_adopted_stretch() {
             spans(hole, Side::East).iter().flat_map(|s| adopted(&planned, s)).map(|p| (p[1], p[2])).collect();
         assert_eq!(found, expected, "{name}");
     }
+}
+
+#[test]
+fn holes_outside_a_polygon_are_left() {
+    let steps = [
+        cut(2.0, 2.0, 4.0, 4.0),
+        cut(9.0, 9.0, 12.0, 12.0),
+        cut(14.0, 2.0, 18.0, 4.0),
+        cut(18.0, 10.0, 22.0, 12.0),
+        cut(14.0, 20.0, 20.0, 22.0),
+    ];
+    let scene = Scene { limit: Limit::Rectangle([8.0, 0.0, 20.0, 18.0]), ..lattice(3, 3, 0.0, &steps) };
+    let plan = scene.plan().plan;
+    let found: Vec<String> = plan
+        .holes
+        .iter()
+        .map(|h| {
+            format!("{},{} {} {:?}", h.cell.i, h.cell.j, h.class, plan.clusters[h.cluster as usize].leave)
+        })
+        .collect();
+    let expected = [
+        "0,0 closed Some(OutsideArea)",
+        "1,0 I-B None",
+        "2,0 I-B None",
+        "1,1 closed None",
+        "2,1 closed Some(CrossesArea)",
+        "1,2 II-B Some(OutsideArea)",
+        "2,2 II-B Some(OutsideArea)",
+    ];
+    assert_eq!(found, expected);
+    let external: Vec<bool> = plan.holes.iter().map(|h| h.is_external).collect();
+    assert_eq!(external, [true, false, false, false, true, true, true]);
+}
+
+#[test]
+fn a_lake_with_a_piece_outside_a_polygon_crosses_its_outline() {
+    let lake = cut(12.0, 10.0, 20.0, 14.0);
+    let scene = Scene { limit: Limit::Rectangle([0.0, 0.0, 16.0, 24.0]), ..lattice(3, 3, 0.0, &[lake]) };
+    let plan = scene.plan().plan;
+    let leaves: Vec<_> = plan.holes.iter().map(|h| h.leave).collect();
+    assert_eq!(leaves, [None, Some(Leave::OutsideArea)]);
+    assert_eq!(plan.clusters[0].leave, Some(Leave::CrossesArea));
 }

@@ -1,7 +1,7 @@
 //! A scene of meshes, and the way from it to a plan.
 
 use glam::DVec2;
-use lacuna_grid::{Area, CellId, Grid};
+use lacuna_grid::{Area, AreaLimit, CellId, Grid};
 use lacuna_hole::{ClusterRule, Plan, PlanOptions, Surveys, fit_borders, plan, survey};
 use lacuna_mesh::TriMesh;
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,6 +13,8 @@ pub(crate) enum Limit {
     Cells,
     /// The box of all vertices.
     Box,
+    /// A polygon: the rectangle west, south, east, north.
+    Rectangle([f64; 4]),
 }
 
 /// Meshes on a grid.
@@ -70,6 +72,11 @@ impl Scene {
         present.extend(&self.unreadable);
         match self.limit {
             Limit::Cells => Area::of_cells(&present),
+            Limit::Rectangle([west, south, east, north]) => {
+                let corners = [(west, south), (east, south), (east, north), (west, north)];
+                let ring = corners.map(DVec2::from).to_vec();
+                Area { limit: AreaLimit::Polygon(vec![ring]), ..Area::of_cells(&present) }
+            }
             Limit::Box => {
                 let (low, high) = self.bounds();
                 Area::of_box(&present, &self.grid, low, high)
