@@ -4,7 +4,7 @@
 use crate::Curves;
 use glam::{DVec2, DVec3};
 use lacuna_grid::{CornerId, Side};
-use lacuna_hole::{Anchor, BorderMode, Curve, CurveKind, Hole, Piece, Plan, Surveys};
+use lacuna_hole::{Anchor, BorderMode, Curve, CurveKind, Plan, Surveys};
 use std::collections::BTreeMap;
 
 /// Marks, in every shared curve, the steps between neighbouring points whose whole rectangle between the two cells' lines
@@ -44,7 +44,7 @@ fn blocked_intervals(surveys: &Surveys, plan: &Plan, curve: &Curve) -> Vec<(f64,
     for &h in &curve.holes {
         let hole = &plan.holes[h as usize];
         let Some(survey) = surveys.get(&hole.cell) else { continue };
-        for edge in rim_edges(hole, survey) {
+        for edge in hole.rim_edges(survey) {
             let ends: [DVec2; 2] = [survey.from(edge).truncate(), survey.to(edge).truncate()];
             let across = ends.map(|p| side.across(p) - curve.line);
             let beyond = across.iter().all(|a| *a > reach) || across.iter().all(|a| *a < -reach);
@@ -55,19 +55,6 @@ fn blocked_intervals(surveys: &Surveys, plan: &Plan, curve: &Curve) -> Vec<(f64,
         }
     }
     blocked
-}
-
-fn rim_edges(hole: &Hole, survey: &lacuna_hole::CellSurvey) -> Vec<u32> {
-    let mut edges = Vec::new();
-    for piece in &hole.outer {
-        if let Piece::Rim(rim) = piece {
-            edges.extend(rim);
-        }
-    }
-    for &island in &hole.islands {
-        edges.extend(&survey.loops[island as usize].edges);
-    }
-    edges
 }
 
 /// The lines of the four cells round a grid corner: (lower, upper) x and (lower, upper) y. `None` unless all four cells

@@ -121,14 +121,19 @@ impl Domain {
     pub fn at(&self, s: f64) -> (Side, DVec2) {
         let s = s.rem_euclid(self.perimeter_m());
         let side = *Side::ALL.iter().rev().find(|&&k| s >= self.side_start_m(k)).unwrap_or(&Side::South);
+        (side, self.point(side, s))
+    }
+
+    /// The point of a side at perimeter parameter `s`, both ends of the side included (unlike [`Domain::at`]).
+    #[must_use]
+    pub fn point(&self, side: Side, s: f64) -> DVec2 {
         let d = s - self.side_start_m(side);
-        let point = match side {
+        match side {
             Side::South => DVec2::new(self.low.x + d, self.low.y),
             Side::East => DVec2::new(self.high.x, self.low.y + d),
             Side::North => DVec2::new(self.high.x - d, self.high.y),
             Side::West => DVec2::new(self.low.x, self.high.y - d),
-        };
-        (side, point)
+        }
     }
 
     /// The corner where `side` ends.
@@ -192,6 +197,8 @@ mod tests {
             let (side, point) = d.at(s);
             assert!((d.parameter(side, point) - s).abs() < 1e-9, "s {s}");
             assert!(d.outside_m(side, point).abs() < 1e-9);
+            let corner = d.point(side, d.side_start_m(side) + d.side_length_m(side));
+            assert_eq!(corner, d.corner_after(side));
         }
     }
 

@@ -248,7 +248,7 @@ impl<'a> Builder<'a> {
             let end = if k + 1 == count { point(ends[1]) } else { None };
             let start_anchor = start.map_or(corner_before, |s| s.0);
             let end_anchor = end.map_or(Anchor::Corner(survey.cell.corner_after(side)), |e| e.0);
-            let [x, y] = [a, b].map(|s| side.along(point_on(&work.domain, side, s)));
+            let [x, y] = [a, b].map(|s| side.along(work.domain.point(side, s)));
             let upward = side.runs_upward();
             self.pieces.push(SidePiece {
                 hole,
@@ -371,15 +371,4 @@ fn neighbour_chain(raw: &[RawPiece], k: usize, before: bool) -> Option<usize> {
 
 fn previous_side(side: Side) -> Side {
     Side::ALL[(side.index() + 3) % 4]
-}
-
-/// The point of a side at a perimeter parameter of that side (its end included, unlike `Domain::at`).
-fn point_on(domain: &Domain, side: Side, s: f64) -> DVec2 {
-    let d = s - domain.side_start_m(side);
-    match side {
-        Side::South => DVec2::new(domain.low.x + d, domain.low.y),
-        Side::East => DVec2::new(domain.high.x, domain.low.y + d),
-        Side::North => DVec2::new(domain.high.x - d, domain.high.y),
-        Side::West => DVec2::new(domain.low.x, domain.high.y - d),
-    }
 }

@@ -2,7 +2,7 @@
 
 use crate::cluster::ClusterRule;
 use crate::fit::BorderFit;
-use crate::{HoleClass, NotHole};
+use crate::{CellSurvey, HoleClass, NotHole};
 use glam::DVec2;
 use lacuna_grid::{Area, BorderId, CellId, CornerId, Domain, Grid, Side};
 use lacuna_mesh::PointId;
@@ -146,6 +146,18 @@ pub struct Hole {
     pub upright: bool,
     /// Why the plan leaves it, if so.
     pub leave: Option<Leave>,
+}
+
+impl Hole {
+    /// Boundary edges of its own cell round the hole: of its rims in walking order, then of its islands.
+    pub fn rim_edges<'a>(&'a self, survey: &'a CellSurvey) -> impl Iterator<Item = u32> + 'a {
+        let rims = self.outer.iter().filter_map(|piece| match piece {
+            Piece::Rim(edges) => Some(edges),
+            _ => None,
+        });
+        let islands = self.islands.iter().map(|&l| &survey.loops[l as usize].edges);
+        rims.chain(islands).flatten().copied()
+    }
 }
 
 /// A lake as a person sees it.

@@ -290,15 +290,7 @@ fn edges_under(other: &CellView<'_>, side: Side, low_m: f64, high_m: f64, fit: &
 
 /// Interval of a run in the coordinate along its side.
 fn along_interval(domain: &Domain, run: &BorderRun) -> (f64, f64) {
-    let ends = [run.low_m, run.high_m].map(|s| {
-        let from_start = s - domain.side_start_m(run.side);
-        match run.side {
-            Side::South => domain.low.x + from_start,
-            Side::East => domain.low.y + from_start,
-            Side::North => domain.high.x - from_start,
-            Side::West => domain.high.y - from_start,
-        }
-    });
+    let ends = [run.low_m, run.high_m].map(|s| run.side.along(domain.point(run.side, s)));
     (ends[0].min(ends[1]), ends[0].max(ends[1]))
 }
 
