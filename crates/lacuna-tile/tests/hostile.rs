@@ -31,7 +31,10 @@ fn outcome(name: &str, format: TileFormat, bytes: &[u8]) -> String {
     let appended = append_patches(&request);
     assert!(start.elapsed() < LIMIT, "{name}: {:?}", start.elapsed());
     assert!(appended.is_ok() || !output.exists(), "{name}: an output after {appended:?}");
-    drop(header);
+    assert!(header.is_ok() || result.is_err(), "{name}: a bad header of a good tile: {header:?}");
+    // What a job is lent follows from these counts.
+    let promised = header.map_or(0, |h| h.vertices.max(h.triangles));
+    assert!(promised <= bytes.len() as u64 + 1, "{name}: {promised} promised by {} bytes", bytes.len());
     match result {
         Ok(tile) => {
             let (v, t) = (tile.mesh.positions.len(), tile.mesh.triangles.len());

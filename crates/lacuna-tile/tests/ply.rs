@@ -223,6 +223,17 @@ fn dialects_read_alike_in_all_encodings() {
 }
 
 #[test]
+fn a_long_header_that_speaks_of_its_end_is_read_to_its_end() {
+    let folder = Folder::new();
+    let filler = "comment end_header is not yet here\n".repeat(4_000);
+    let declarations = "element vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
+    let text = format!("ply\nformat ascii 1.0\n{filler}{declarations}end_header\n1 2 3\n");
+    let path = folder.write("tile.ply", text.as_bytes());
+    assert_eq!(read_header(&path, TileFormat::Ply).expect("header").vertices, 1);
+    assert_eq!(read(&path).expect("tile").mesh.positions, [DVec3::new(1.0, 2.0, 3.0)]);
+}
+
+#[test]
 fn strips_turn_every_second_triangle_and_skip_joins() {
     let dialect = &DIALECTS[5];
     let folder = Folder::new();

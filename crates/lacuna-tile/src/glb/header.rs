@@ -2,18 +2,21 @@
 
 use super::container::{JSON_START, check_header, trim_padding, u32_at};
 use super::document::{self, Document, Primitive};
-use super::element;
+use super::model::allowed_memory_bytes;
 use super::nodes::instances;
 use super::topology::triangle_count;
+use super::{element, json_fault};
 use crate::error::{Place, TileError};
 use crate::fault::{Fault, reserve};
 use crate::source::open_regular;
 use crate::types::TileHeader;
+use glam::DVec3;
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
-/// Reads the number of vertices and triangles that the accessors of the scene's meshes declare.
+/// Reads the number of vertices and triangles that the accessors of the scene's meshes declare, as far as they are in
+/// proportion to the size of the file.
 ///
 /// # Errors
 /// `Io`; `Malformed`; `Unsupported` for a required extension that this version does not decode.
@@ -62,7 +65,22 @@ fn count(json: &[u8], bytes: u64) -> Result<TileHeader, Fault> {
             }
         }
     }
+    check_proportion(&header)?;
     Ok(header)
+}
+
+/// The reader's own rule: counts that it will refuse are no reason to ask for that much memory.
+fn check_proportion(header: &TileHeader) -> Result<(), Fault> {
+    let positions = header.vertices.saturating_mul(size_of::<DVec3>() as u64);
+    let triangles = header.triangles.saturating_mul(size_of::<[u32; 3]>() as u64);
+    if positions.saturating_add(triangles) <= allowed_memory_bytes(header.bytes) {
+        return Ok(());
+    }
+    let problem = format!(
+        "{} vertices and {} triangles are out of proportion to the {} bytes of the file",
+        header.vertices, header.triangles, header.bytes
+    );
+    Err(json_fault("/accessors", problem))
 }
 
 /// Position accessor, vertices and triangles; `None` for points, lines and primitives without positions.

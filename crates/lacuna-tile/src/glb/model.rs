@@ -23,6 +23,11 @@ const MEMORY_PER_FILE_BYTE: u64 = 64;
 /// Memory that any tile may take, bytes.
 const MEMORY_FLOOR_BYTES: u64 = 16 << 20;
 
+/// Memory that a tile of so many bytes may take.
+pub(super) fn allowed_memory_bytes(file_bytes: u64) -> u64 {
+    file_bytes.saturating_mul(MEMORY_PER_FILE_BYTE).saturating_add(MEMORY_FLOOR_BYTES)
+}
+
 /// Vertices that come from one position accessor under one node, one after another in the mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Run {
@@ -87,7 +92,6 @@ fn parse_faulty<'a>(path: &Path, file: &'a [u8], options: &ReadOptions) -> Resul
     let document = document::parse(chunks.json)?;
     let instances = instances(&document)?;
     let buffers = buffer::resolve(&document, chunks.bin, path.parent().unwrap_or(Path::new("")))?;
-    let memory = (file.len() as u64).saturating_mul(MEMORY_PER_FILE_BYTE).saturating_add(MEMORY_FLOOR_BYTES);
     let mut model = Model {
         to_scene: world_to_scene(&document, options.up_axis)?,
         leading: leading_transform(&document, &instances),
@@ -99,6 +103,7 @@ fn parse_faulty<'a>(path: &Path, file: &'a [u8], options: &ReadOptions) -> Resul
         buffers,
         instances,
     };
+    let memory = allowed_memory_bytes(file.len() as u64);
     let mut reader = Reader { memory, skipped: 0, joins: 0 };
     for at in 0..model.instances.len() {
         reader.instance(&mut model, at)?;

@@ -48,20 +48,7 @@ impl<'a> Cursor<'a> {
 
     /// Fails unless the bytes left can hold all rows of `element` at their smallest: before any allocation by its count.
     pub(crate) fn check_count(&self, element: &Element) -> Result<(), Fault> {
-        let least = element.least_row_size(self.encoding);
-        let slack = u64::from(self.encoding == Encoding::Ascii); // the last line may have no end
-        let left = self.rest().len() as u64;
-        match element.count.checked_mul(least) {
-            Some(needed) if needed <= left + slack => Ok(()),
-            _ => {
-                let problem = format!(
-                    "the header promises {} rows of `{}` of at least {least} bytes, {left} bytes are left",
-                    element.count,
-                    element.name.escape_debug()
-                );
-                Err(Fault::malformed(Place::Line(element.line), problem))
-            }
-        }
+        element.left_after(self.encoding, self.rest().len() as u64).map(|_| ())
     }
 
     /// Passes over all rows of an element.

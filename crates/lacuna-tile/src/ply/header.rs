@@ -60,6 +60,21 @@ impl Element {
         self.properties.iter().map(of).sum()
     }
 
+    /// What is left of `left` bytes after all rows at their smallest; a fault if they do not hold them.
+    pub(crate) fn left_after(&self, encoding: Encoding, left: u64) -> Result<u64, Fault> {
+        let least = self.least_row_size(encoding);
+        let slack = u64::from(encoding == Encoding::Ascii); // the last line may have no end
+        let needed = self.count.checked_mul(least).filter(|needed| *needed <= left.saturating_add(slack));
+        needed.map(|needed| left.saturating_sub(needed)).ok_or_else(|| {
+            let problem = format!(
+                "the header promises {} rows of `{}` of at least {least} bytes, {left} bytes are left",
+                self.count,
+                self.name.escape_debug()
+            );
+            Fault::malformed(Place::Line(self.line), problem)
+        })
+    }
+
     /// Index of the property of this name.
     pub(crate) fn find(&self, name: &str) -> Option<usize> {
         self.properties.iter().position(|p| p.name == name)

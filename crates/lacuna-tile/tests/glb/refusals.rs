@@ -80,6 +80,9 @@ fn hostile_documents_are_typed_errors() {
             Err(error) => assert!(error.to_string().contains(word), "{name}: {error}"),
             Ok(_) => assert_eq!(name, "sparse out of range", "{name} is refused"),
         }
+        // What a job is lent follows from these counts.
+        let promised = read_header(&Case::new(&file).input(), TileFormat::Glb).map_or(0, |h| h.vertices);
+        assert!(promised <= 1 << 20, "{name}: {promised} vertices promised by {} bytes", file.len());
     }
 }
 
@@ -245,6 +248,10 @@ fn one_mesh_placed_very_often_is_refused() {
     document["buffers"][0]["byteLength"] = json!(bin.len());
     document["bufferViews"][0]["byteLength"] = json!(4096 * 12);
     document["bufferViews"][1]["byteOffset"] = json!(4096 * 12);
-    let error = read_bytes(&glb(&document.to_string(), Some(&bin))).expect_err("refused");
-    assert!(error.to_string().contains("proportion"), "{error}");
+    let case = Case::new(&glb(&document.to_string(), Some(&bin)));
+    let header = read_header(&case.input(), TileFormat::Glb).map(|_| ());
+    for result in [case.read().map(|_| ()), header] {
+        let error = result.expect_err("refused");
+        assert!(error.to_string().contains("proportion"), "{error}");
+    }
 }
