@@ -148,6 +148,18 @@ impl TileError {
         Self::Unsupported { path: path.to_owned(), place, problem: problem.into(), advice: advice.into() }
     }
 
+    /// The message with the file's path as it lies below `root`: what a report may say, which must not depend on the
+    /// place of the scene.
+    #[must_use]
+    pub fn message_below(&self, root: &Path) -> String {
+        let message = self.to_string();
+        let rest = message.strip_prefix(&self.path().display().to_string());
+        match (self.path().strip_prefix(root), rest) {
+            (Ok(relative), Some(rest)) => format!("{}{rest}", relative.display()),
+            _ => message,
+        }
+    }
+
     /// The file the error is about.
     #[must_use]
     pub fn path(&self) -> &Path {

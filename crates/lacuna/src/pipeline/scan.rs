@@ -9,7 +9,7 @@ use lacuna_grid::{CellId, Grid, GridHints, InferredGrid, TileBox, infer_grid};
 use lacuna_hole::{CellSurvey, Surveys, survey};
 use lacuna_mesh::{Bounds, TriMesh};
 use lacuna_schedule::{Job, JobResult};
-use lacuna_tile::{ReadTile, Scene, TileError, TileGroup, VertexFrame, read_tile};
+use lacuna_tile::{ReadTile, Scene, TileError, TileGroup, TileHeader, VertexFrame, read_tile};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// One file of a cell's tile.
@@ -84,25 +84,31 @@ pub(crate) fn scan(scene: &Scene, context: &Context<'_>) -> Result<Scanned, RunE
 /// What a scan of a tile takes: its bytes, its mesh, and 16 bytes a vertex for the balance; measured peaks are a
 /// quarter lower.
 fn job(scene: &Scene, key: usize, group: &TileGroup) -> Job {
-    let need = |p: &usize| match &scene.tiles[*p].header {
-        Ok(h) => h.bytes + 56 * h.vertices + 24 * h.triangles,
-        Err(_) => 0,
+    let mesh_bytes = |h: &TileHeader| {
+        h.bytes.saturating_add(h.vertices.saturating_mul(56)).saturating_add(h.triangles.saturating_mul(24))
     };
-    Job { key: key as u64, bytes: group.parts.iter().map(need).sum::<u64>() + (1 << 20) }
+    // A tile with a bad header is not read.
+    let need = |p: &usize| scene.tiles[*p].header.as_ref().map_or(0, mesh_bytes);
+    Job { key: key as u64, bytes: group.parts.iter().map(need).fold(1 << 20, u64::saturating_add) }
 }
 
 fn tile_bytes(scene: &Scene, tile: usize) -> u64 {
     scene.tiles[tile].header.as_ref().map_or(0, |h| h.bytes)
 }
 
-/// Reads the files of one tile as one mesh and surveys it.
-fn scan_group(scene: &Scene, group: &TileGroup, context: &Context<'_>) -> Result<ScannedTile, TileError> {
+/// Reads the files of one tile as one mesh and surveys it; the error is the sentence that the report gets.
+fn scan_group(scene: &Scene, group: &TileGroup, context: &Context<'_>) -> Result<ScannedTile, String> {
+    let sentence = |error: &TileError| error.message_below(&scene.root);
     let mut mesh = TriMesh::default();
     let mut parts = Vec::new();
     let mut warnings = Vec::new();
     for &tile in &group.parts {
         let entry = &scene.tiles[tile];
-        let read = read_tile(&scene.path(entry), entry.format, &context.read_options)?;
+        if let Err(error) = &entry.header {
+            return Err(sentence(error));
+        }
+        let read = read_tile(&scene.path(entry), entry.format, &context.read_options);
+        let read = read.map_err(|e| sentence(&e))?;
         parts.push(Part {
             tile,
             first_vertex: mesh.positions.len() as u32,
@@ -113,6 +119,12 @@ fn scan_group(scene: &Scene, group: &TileGroup, context: &Context<'_>) -> Result
         });
         warnings.extend(read.warnings.iter().map(|w| format!("{}: {w}", entry.relative.escape_debug())));
         append_mesh(&mut mesh, read);
+    }
+    if !mesh.positions.is_empty() && !mesh.positions.iter().any(|p| p.is_finite()) {
+        let first = scene.tiles[group.parts[0]].relative.escape_debug();
+        return Err(format!(
+            "{first}: its positions are not finite numbers; export the tile again or take it out of the scene"
+        ));
     }
     let survey = survey(CellId::new(0, 0), &mesh);
     let preview = tile_preview(&mesh, &survey.bounds, scene.groups.len());
@@ -133,7 +145,7 @@ fn append_mesh(mesh: &mut TriMesh, read: ReadTile) {
 
 fn collect(
     scene: &Scene,
-    results: Vec<JobResult<Result<ScannedTile, TileError>>>,
+    results: Vec<JobResult<Result<ScannedTile, String>>>,
     context: &Context<'_>,
 ) -> Result<Scanned, RunError> {
     let (mut good, mut bad, mut defects) = (Vec::new(), Vec::new(), Vec::new());
@@ -146,7 +158,7 @@ fn collect(
                 good.push((group, tile));
                 continue;
             }
-            JobResult::Done(Err(error)) => error.to_string(),
+            JobResult::Done(Err(problem)) => problem,
             JobResult::Panicked(message) => {
                 format!("the scan stopped with a fault of the program: {message}")
             }

@@ -78,7 +78,7 @@ pub(crate) fn write(input: &WriteInput<'_>, context: &Context<'_>) -> Result<Wri
     for (task, result) in tasks.iter().zip(results) {
         match result {
             JobResult::Done(Ok(files)) => written.outputs.extend(files),
-            JobResult::Done(Err(error)) => refuse(task, &error, &mut written)?,
+            JobResult::Done(Err(error)) => refuse(input, task, &error, &mut written)?,
             JobResult::Panicked(message) => {
                 return Err(RunError::failed(format!("a fault of the program while writing: {message}")));
             }
@@ -90,7 +90,12 @@ pub(crate) fn write(input: &WriteInput<'_>, context: &Context<'_>) -> Result<Wri
 }
 
 /// Errors of the disk end the run; what a tile's format can't hold is that tile's failure.
-fn refuse(task: &Task, error: &TileError, written: &mut WrittenFiles) -> Result<(), RunError> {
+fn refuse(
+    input: &WriteInput<'_>,
+    task: &Task,
+    error: &TileError,
+    written: &mut WrittenFiles,
+) -> Result<(), RunError> {
     let cell = match task {
         Task::Append { cell, .. } | Task::New { cell, .. } => *cell,
         Task::Copy { .. } => {
@@ -100,7 +105,7 @@ fn refuse(task: &Task, error: &TileError, written: &mut WrittenFiles) -> Result<
     if matches!(error, TileError::Io { .. } | TileError::InputChanged { .. }) {
         return Err(RunError { exit: ExitCode::InputOutput, message: error.to_string() });
     }
-    written.refused.insert(cell, error.to_string());
+    written.refused.insert(cell, error.message_below(&input.scene.root));
     Ok(())
 }
 
