@@ -35,9 +35,15 @@ fn complain(error: &RunError) {
 }
 
 /// Writes to stdout. A reader that has closed the pipe wants no more: that is no error.
-fn say(text: &str) {
+fn say(text: &str) -> Result<(), RunError> {
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            let message = format!("cannot write the result to stdout: {e}; check where it goes");
+            Err(error(ExitCode::InputOutput, message))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Runs the verb.
@@ -50,13 +56,13 @@ fn perform(cli: &Cli, progress: &Progress) -> Result<ExitCode, RunError> {
         Command::Inspect(args) => {
             let result = lacuna::inspect(&settings, args.report.as_deref(), &interrupt, progress)?;
             let place = args.report.as_ref().map(|p| p.join("report.html").display().to_string());
-            Ok(show(&result, &place.unwrap_or_default(), progress))
+            show(&result, &place.unwrap_or_default(), progress)
         }
         Command::Repair(_) => {
             let result = lacuna::repair(&settings, &interrupt, progress)?;
             let out = settings.scene.output.as_ref().filter(|_| !settings.run.dry_run);
             let place = out.map(|p| p.join("lacuna").join("report.html").display().to_string());
-            Ok(show(&result, &place.unwrap_or_default(), progress))
+            show(&result, &place.unwrap_or_default(), progress)
         }
         Command::Verify(args) => verify(args, &settings, &interrupt, progress),
         Command::Bench(_) => Err(error(ExitCode::Usage, "bench is not in this version".to_owned())),
@@ -77,9 +83,9 @@ fn info(
     progress.finish();
     if as_json {
         let json = serde_json::to_string_pretty(&info).map_err(|e| error(ExitCode::Failed, e.to_string()))?;
-        say(&format!("{json}\n"));
+        say(&format!("{json}\n"))?;
     } else {
-        say(&info.to_text());
+        say(&info.to_text())?;
     }
     Ok(ExitCode::Done)
 }
@@ -91,7 +97,7 @@ fn verify(
     progress: &Progress,
 ) -> Result<ExitCode, RunError> {
     if let Some(out) = &args.digest {
-        say(&format!("{}\n", lacuna::digest(out)?));
+        say(&format!("{}\n", lacuna::digest(out)?))?;
         return Ok(ExitCode::Done);
     }
     let Some(out) = &settings.scene.output else {
@@ -105,12 +111,12 @@ fn verify(
     };
     let verdict = lacuna::verify(&settings.scene.input, out, &options)?;
     progress.finish();
-    say(&verdict.to_text());
+    say(&verdict.to_text())?;
     Ok(if verdict.is_ok() { ExitCode::Done } else { ExitCode::Failed })
 }
 
-fn show(result: &RunResult, place: &str, progress: &Progress) -> ExitCode {
+fn show(result: &RunResult, place: &str, progress: &Progress) -> Result<ExitCode, RunError> {
     progress.finish();
-    say(&lacuna::report::table(&result.report, place));
-    result.exit
+    say(&lacuna::report::table(&result.report, place))?;
+    Ok(result.exit)
 }

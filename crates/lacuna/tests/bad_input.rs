@@ -17,7 +17,7 @@ const BAD: &str = "Tile_+000_+002";
 type Damage = fn(&[u8]) -> Vec<u8>;
 
 /// Damage that makes a tile unusable, with words that the message must hold beside the tile's name.
-const DAMAGES: [(&str, Damage, &str); 7] = [
+const DAMAGES: [(&str, Damage, &str); 9] = [
     ("empty", |_| Vec::new(), "byte 0"),
     ("cut in the header", |ply| ply[..40].to_vec(), "end_header"),
     ("cut in the vertices", |ply| ply[..ply.len() / 4].to_vec(), "the header promises 978 rows"),
@@ -29,6 +29,8 @@ const DAMAGES: [(&str, Damage, &str); 7] = [
         "line 8",
     ),
     ("a corner past the last vertex", with_wild_corner, "face row 1784"),
+    ("2^40 vertices promised", |ply| with_count(ply, "vertex", 1 << 40), "1099511627776"),
+    ("no position is a number", without_positions, "not finite"),
 ];
 
 fn header_length(ply: &[u8]) -> usize {
@@ -53,6 +55,19 @@ fn vertex_count(ply: &[u8]) -> usize {
     let text = String::from_utf8_lossy(&ply[..header_length(ply)]).into_owned();
     let count = text.lines().find_map(|l| l.strip_prefix("element vertex ")).expect("a vertex count");
     count.trim().parse().expect("a number")
+}
+
+fn with_count(ply: &[u8], element: &str, count: u64) -> Vec<u8> {
+    with_text(ply, &format!("element {element} "), &format!("element {element} {count}\ncomment was "))
+}
+
+fn without_positions(ply: &[u8]) -> Vec<u8> {
+    let mut bytes = ply.to_vec();
+    let (rows, count) = (header_length(ply), vertex_count(ply));
+    bytes[rows..rows + 12 * count]
+        .chunks_exact_mut(4)
+        .for_each(|f| f.copy_from_slice(&f32::NAN.to_le_bytes()));
+    bytes
 }
 
 fn damage(tile: &Path, how: Damage) {
@@ -330,6 +345,45 @@ fn a_limit_too_small_names_the_tile_before_anything_is_written() {
         run.ends(5).says("--memory");
         one_sentence(&run, if limit == "1MiB" { "program" } else { "Tile_" });
         assert!(!out.exists() || tiles(&out).is_empty(), "{limit}");
+    }
+}
+
+#[test]
+fn a_report_holds_no_path_of_the_machine() {
+    let scene = small().changed(|path| damage(&tile_of(path, BAD), |_| Vec::new()));
+    let out = scene.beside("out");
+    repair(&scene, &out, &[]).ends(3);
+    let place = scene.path().display().to_string();
+    let report = report(&out);
+    assert!(report.defects.iter().all(|d| !d.what.contains(&place)), "{:?}", report.defects);
+}
+
+#[test]
+fn a_report_inside_the_scene_is_refused() {
+    let scene = small();
+    for folder in [scene.path().to_owned(), scene.path().join("look")] {
+        let arguments =
+            ["inspect".as_ref(), scene.path().as_os_str(), "--report".as_ref(), folder.as_os_str()];
+        lacuna(arguments).ends(2).says("scene");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_or_closed_stdout_is_no_panic() {
+    let scene = small();
+    for verb in ["info", "inspect"] {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a full device");
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_lacuna"))
+            .args([verb, "--progress=none"])
+            .arg(scene.path())
+            .stdin(std::process::Stdio::null())
+            .stdout(full)
+            .output()
+            .expect("the program starts");
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(4), "{verb}: {stderr}");
+        assert!(!stderr.contains("panicked"), "{stderr}");
     }
 }
 
