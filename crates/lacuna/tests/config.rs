@@ -9,6 +9,7 @@ use lacuna::config::{
     AreaLimit, ClosedFiller, External, FailOn, FillSettings, HoleClassFilter, HoleShapeFilter, Machine,
     MethodName, OpenFiller, RegionPlace, Settings, Untouched, UpAxis,
 };
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -263,7 +264,7 @@ fn lists_of_tiles_are_read_line_by_line() {
     let settings = good(&format!("repair in out --cells {}", list.display()));
     assert_eq!(
         settings.selection.cells,
-        Some(vec!["Tile_+000_+000".to_owned(), "Tile_+001_+000".to_owned()])
+        Some(BTreeSet::from(["Tile_+000_+000".to_owned(), "Tile_+001_+000".to_owned()]))
     );
     std::fs::write(&list, "# nothing\n").expect("a file");
     assert!(

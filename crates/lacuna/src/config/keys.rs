@@ -93,7 +93,7 @@ pub(crate) fn meaning(name: &str) -> Option<&'static str> {
 
 /// The nearest name: fewest edits, where a name that begins with the unknown one (a unit was left out) is one edit
 /// away; none if more than half of the letters differ. Ties go to the first name.
-fn nearest<'a>(unknown: &str, names: &[&'a str]) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(unknown: &str, names: &[&'a str]) -> Option<&'a str> {
     let cost = |name: &str| {
         if name.strip_prefix(unknown).is_some_and(|rest| rest.starts_with('_')) {
             1

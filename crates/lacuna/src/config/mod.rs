@@ -9,6 +9,8 @@ mod resolve;
 mod settings;
 pub(crate) mod values;
 
+pub(crate) use keys::nearest;
+
 pub use error::{ConfigError, FileError};
 pub use memory::{Machine, MemoryLimit};
 pub use polygon::{Frame, PolygonFile};

@@ -12,6 +12,7 @@ use super::settings::{
 };
 use super::values::AreaArgument;
 use crate::cli::{Cli, Command, FillArgs, FindArgs, RunArgs, SceneArgs, SelectionArgs};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -299,16 +300,16 @@ fn selection(flags: &SelectionArgs) -> Result<Selection, ConfigError> {
 }
 
 /// Reads a list of tiles: one name a line; blank lines and lines that start with `#` do not count.
-fn tile_names(path: &Path) -> Result<Vec<String>, ConfigError> {
+fn tile_names(path: &Path) -> Result<BTreeSet<String>, ConfigError> {
     let text =
         fs::read_to_string(path).map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
     let names = text.trim_start_matches('\u{feff}').lines().map(str::trim);
-    let names: Vec<String> =
+    let names: BTreeSet<String> =
         names.filter(|n| !n.is_empty() && !n.starts_with('#')).map(str::to_owned).collect();
     if names.is_empty() {
         return Err(ConfigError::Cells { path: path.to_owned(), what: "names no tile".to_owned() });
     }
-    Ok(sorted(names))
+    Ok(names)
 }
 
 fn check(settings: &Settings, command: &Command) -> Result<(), ConfigError> {

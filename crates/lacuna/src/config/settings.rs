@@ -3,6 +3,7 @@
 use super::polygon::PolygonFile;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// What becomes of tiles that need no patch.
@@ -289,7 +290,7 @@ pub struct Selection {
     /// Names of regions.
     pub regions: Vec<String>,
     /// Names of tiles; `None` = all.
-    pub cells: Option<Vec<String>>,
+    pub cells: Option<BTreeSet<String>>,
     /// Places.
     pub at: Vec<[f64; 2]>,
     /// Ids of holes.

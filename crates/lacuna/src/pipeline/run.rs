@@ -13,7 +13,7 @@ use super::out_dir::{self, OutDir};
 use super::outputs::write_report;
 use super::preview::scene_rasters;
 use super::scan::{Scanned, scan};
-use super::select::{Decision, Places, fill_settings, refuse_unmatched, select};
+use super::select::{Decision, Places, fill_settings, refuse_unmatched, select, warn_unmatched};
 use super::solve::{Fills, Solved, solve};
 use super::write::{WriteInput, WrittenFiles, hex, write};
 use crate::ExitCode;
@@ -161,10 +161,14 @@ fn make_plan(scene: Scene, scanned: Scanned, context: &Context<'_>) -> Result<Pl
     };
     let plan = plan(&scanned.surveys, &options);
     let hollow = hollow_tiles(&scene, &scanned, &plan);
-    let hollow_names = hollow.iter().map(|(c, (_, path))| (*c, stem(path))).collect();
+    let hollow_names: BTreeMap<CellId, String> =
+        hollow.iter().map(|(c, (_, path))| (*c, stem(path))).collect();
     let names = Names::new(&plan, &scanned.tiles, &hollow_names, srs_origin);
     let places = Places::new(settings, srs_origin);
-    refuse_unmatched(&plan, &names, settings, &places)?;
+    let hollow_names = hollow_names.values().map(String::as_str);
+    let known_tiles = scene.groups.iter().map(|g| g.name.as_str()).chain(hollow_names).collect();
+    refuse_unmatched(&plan, &names, &known_tiles, settings, &places)?;
+    warn_unmatched(&plan, &names, settings, &places);
     let decisions = select(&plan, &names, settings, &places);
     Ok(Planned { scene, scanned, plan, names, decisions, places, hollow, srs_origin })
 }

@@ -2,13 +2,14 @@
 
 use super::RunError;
 use super::names::Names;
+use crate::config::nearest;
 use crate::config::{
     External, FillSettings, HoleClassFilter, HoleShapeFilter, Region, RegionPlace, Settings,
 };
 use crate::geometry::PolygonSet;
 use glam::DVec2;
 use lacuna_hole::{Hole, HoleClass, HoleCluster, HoleShape, Plan};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What becomes of a cluster.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,28 +50,59 @@ pub(crate) fn select(plan: &Plan, names: &Names, settings: &Settings, places: &P
         .collect()
 }
 
-/// An error if the run is limited to a place, hole or tile that the scene has not.
+/// An error if the run is limited to a place, hole or tile that the scene has not. `tiles` are the names of all tiles
+/// that are there, and of those that hollow cells would get.
 pub(crate) fn refuse_unmatched(
     plan: &Plan,
     names: &Names,
+    tiles: &BTreeSet<&str>,
     settings: &Settings,
     places: &Places,
 ) -> Result<(), RunError> {
     let selection = &settings.selection;
     let problem =
         |what: String| Err(RunError::usage(format!("{what}; `lacuna inspect` lists what there is")));
+    let unknown = |name: &&String| !tiles.contains(name.as_str());
+    if let Some(name) = selection.cells.iter().flatten().find(unknown) {
+        return problem(unknown_tile(name, tiles));
+    }
     for id in &selection.holes {
         if !names.clusters.contains(id) && !names.holes.iter().any(|h| h.id == *id) {
-            return problem(format!("there is no hole or cluster {}", id.escape_debug()));
+            return problem(format!("--hole: there is no hole or cluster {}", id.escape_debug()));
         }
     }
     for &[x, y] in &selection.at {
         let pins = places.readings(DVec2::new(x, y));
         if !plan.clusters.iter().any(|c| pins.iter().any(|&p| holds(plan, c, p))) {
-            return problem(format!("there is no hole at {x},{y}"));
+            return problem(format!("--at: there is no hole at {x},{y}"));
         }
     }
     Ok(())
+}
+
+fn unknown_tile(name: &str, tiles: &BTreeSet<&str>) -> String {
+    let known: Vec<&str> = tiles.iter().copied().collect();
+    let guess =
+        nearest(name, &known).map_or_else(String::new, |n| format!("; did you mean {}?", n.escape_debug()));
+    format!("--cells: the scene has no tile {}{guess}", name.escape_debug())
+}
+
+/// Says which limits of the run hold no cluster of the plan: the run fills less than its user may think.
+pub(crate) fn warn_unmatched(plan: &Plan, names: &Names, settings: &Settings, places: &Places) {
+    let selection = &settings.selection;
+    for name in &selection.regions {
+        let number = settings.regions.iter().position(|r| r.name == *name);
+        let holds_one = number.is_some_and(|k| {
+            (0..plan.clusters.len()).any(|c| lies_in(plan, c, &settings.regions[k], k, places))
+        });
+        if !holds_one {
+            tracing::warn!("--region {}: no hole lies in it", name.escape_debug());
+        }
+    }
+    let touched = |listed: &BTreeSet<String>| names.holes.iter().any(|h| listed.contains(&h.tile));
+    if selection.cells.as_ref().is_some_and(|listed| !touched(listed)) {
+        tracing::warn!("--cells: no hole touches the tiles that are listed");
+    }
 }
 
 /// Fill settings of a cluster: those of the last region that it lies in, else the scene's.
@@ -152,7 +184,7 @@ impl Selector<'_> {
             number.is_some_and(|k| lies_in(self.plan, c, &self.settings.regions[k], k, self.places))
         });
         let by_cell = selection.cells.as_ref().is_some_and(|names| {
-            cluster.holes.iter().any(|&h| names.iter().any(|n| *n == self.names.holes[h as usize].tile))
+            cluster.holes.iter().any(|&h| names.contains(&self.names.holes[h as usize].tile))
         });
         let pins = selection.at.iter().flat_map(|&p| self.places.readings(DVec2::from(p)));
         let by_place = pins.into_iter().any(|p| holds(self.plan, cluster, p));
