@@ -9,11 +9,11 @@ pub enum ExitCode {
     Done = 0,
     /// The run failed as a whole, or `verify` found a broken promise.
     Failed = 1,
-    /// The command line or the configuration is wrong; nothing was read or written.
+    /// The command line or the configuration is wrong, or the output folder is refused; nothing was written.
     Usage = 2,
     /// The run finished, but tiles or holes failed (`--fail-on`); the report says which and why.
     Finished = 3,
-    /// Input or output: unreadable scene, full disk, refused output folder.
+    /// Input or output: unreadable scene, full disk.
     InputOutput = 4,
     /// The memory limit is too small for a cell; said before the run starts.
     MemoryTooSmall = 5,

@@ -29,7 +29,7 @@ pub(crate) fn take(scene: &Path, out: &Path) -> Result<OutDir, RunError> {
     let own = out.join(OWN_FOLDER);
     let stranger = !own.join(MANIFEST).exists() && holds_files(out);
     if stranger {
-        return Err(RunError::input_output(format!(
+        return Err(RunError::usage(format!(
             "{} holds files that no run of lacuna left (no {OWN_FOLDER}/{MANIFEST}); give an empty or new folder",
             out.display()
         )));
@@ -91,7 +91,7 @@ pub(crate) fn refuse_nesting(scene: &Path, out: &Path) -> Result<(), RunError> {
         return Ok(());
     };
     Err(RunError::usage(format!(
-        "the output folder {} {problem}; give a folder beside it, inputs are never written",
+        "the folder {} {problem}; give a folder beside it, inputs are never written",
         out.display()
     )))
 }
