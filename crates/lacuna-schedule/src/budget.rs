@@ -20,6 +20,7 @@ struct Shared {
 #[derive(Debug, Default)]
 struct State {
     lent_bytes: u64,
+    kept_bytes: u64,
     peak_bytes: u64,
     next_ticket: u64,
     now_serving: u64,
@@ -56,22 +57,23 @@ impl MemoryBudget {
     /// Never to be called by a worker that holds a reservation: two such workers can wait for each other for ever.
     ///
     /// # Errors
-    /// [`OverLimit`], at once, for more than the whole budget. The request is refused and not clamped, for a clamped
-    /// job would use more than it was lent.
+    /// [`OverLimit`] for more than the whole budget, at once, or as soon as so much is kept that waiting would never
+    /// end. The request is refused and not clamped, for a clamped job would use more than it was lent.
     pub fn acquire(&self, bytes: u64) -> Result<Reservation, OverLimit> {
-        self.check(bytes)?;
         let mut state = self.shared.lock();
+        self.check(&state, bytes)?;
         let ticket = state.next_ticket;
         state.next_ticket += 1;
-        while state.now_serving != ticket || !self.fits(&state, bytes) {
+        while state.now_serving != ticket || (!self.fits(&state, bytes) && self.check(&state, bytes).is_ok())
+        {
             state = self.shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
         state.now_serving += 1;
-        let reservation = self.lend(&mut state, bytes);
+        let lent = self.check(&state, bytes).map(|()| self.lend(&mut state, bytes));
         drop(state);
         // The next in the queue may fit as well.
         self.shared.changed.notify_all();
-        Ok(reservation)
+        lent
     }
 
     /// Lends `bytes` if they are free now and nobody waits; `None` else.
@@ -79,16 +81,32 @@ impl MemoryBudget {
     /// # Errors
     /// [`OverLimit`] for more than the whole budget.
     pub fn try_acquire(&self, bytes: u64) -> Result<Option<Reservation>, OverLimit> {
-        self.check(bytes)?;
         let mut state = self.shared.lock();
+        self.check(&state, bytes)?;
         let free = state.now_serving == state.next_ticket && self.fits(&state, bytes);
         Ok(free.then(|| self.lend(&mut state, bytes)))
     }
 
-    /// The whole budget, bytes.
+    /// Takes bytes out of the budget for good: a job's result that stays in memory. More than is left may be kept, for
+    /// it is there already; then nothing can be lent any more.
+    pub fn keep(&self, bytes: u64) {
+        let mut state = self.shared.lock();
+        state.kept_bytes = state.kept_bytes.saturating_add(bytes);
+        drop(state);
+        // Who waits for more than is left now waits in vain.
+        self.shared.changed.notify_all();
+    }
+
+    /// Bytes that were taken out for good.
+    #[must_use]
+    pub fn kept_bytes(&self) -> u64 {
+        self.shared.lock().kept_bytes
+    }
+
+    /// The whole budget but what is kept, bytes.
     #[must_use]
     pub fn total_bytes(&self) -> u64 {
-        self.shared.total_bytes
+        self.shared.left_bytes(&self.shared.lock())
     }
 
     /// Bytes on loan now.
@@ -103,13 +121,13 @@ impl MemoryBudget {
         self.shared.lock().peak_bytes
     }
 
-    fn check(&self, bytes: u64) -> Result<(), OverLimit> {
-        let limit_bytes = self.shared.total_bytes;
+    fn check(&self, state: &State, bytes: u64) -> Result<(), OverLimit> {
+        let limit_bytes = self.shared.left_bytes(state);
         if bytes > limit_bytes { Err(OverLimit { needed_bytes: bytes, limit_bytes }) } else { Ok(()) }
     }
 
     fn fits(&self, state: &State, bytes: u64) -> bool {
-        bytes <= self.shared.total_bytes - state.lent_bytes
+        bytes <= self.shared.left_bytes(state).saturating_sub(state.lent_bytes)
     }
 
     fn lend(&self, state: &mut State, bytes: u64) -> Reservation {
@@ -144,6 +162,10 @@ impl Shared {
     /// The state is sums only and is whole after every statement, so a panic elsewhere leaves it usable.
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn left_bytes(&self, state: &State) -> u64 {
+        self.total_bytes.saturating_sub(state.kept_bytes)
     }
 
     fn give_back(&self, bytes: u64) {
@@ -227,6 +249,28 @@ mod tests {
         assert_eq!((second.bytes(), nothing.bytes(), budget.lent_bytes()), (80, 0, 100));
         drop((first, second, nothing));
         assert_eq!((budget.lent_bytes(), budget.peak_lent_bytes()), (0, 100));
+    }
+
+    #[test]
+    fn what_is_kept_is_not_lent_and_ends_vain_waiting() {
+        let budget = MemoryBudget::new(100);
+        let some = budget.acquire(50).expect("fits");
+        thread::scope(|scope| {
+            let large = scope.spawn(|| budget.acquire(80).map(|r| r.bytes()));
+            wait_for_queue(&budget, 1);
+            budget.keep(15);
+            thread::sleep(Duration::from_millis(30));
+            wait_for_queue(&budget, 1);
+            assert_eq!((budget.total_bytes(), budget.kept_bytes()), (85, 15));
+            budget.keep(15);
+            let refused = Err(OverLimit { needed_bytes: 80, limit_bytes: 70 });
+            assert_eq!(large.join().ok(), Some(refused), "80 of 70 can never be lent");
+        });
+        assert!(budget.try_acquire(21).expect("within the limit").is_none());
+        let rest = budget.try_acquire(20).expect("within the limit").expect("free");
+        drop((some, rest));
+        budget.keep(200);
+        assert_eq!((budget.total_bytes(), budget.lent_bytes()), (0, 0));
     }
 
     #[test]

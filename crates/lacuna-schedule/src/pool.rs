@@ -28,7 +28,7 @@ pub enum JobResult<T> {
     Stopped,
 }
 
-/// A job needs more than the whole limit. Nothing was started.
+/// A job needs more than the whole limit, or than what earlier jobs' results leave of it. No later job was started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "job {index} needs {needed_bytes} bytes, but the memory limit is {limit_bytes} bytes; raise --memory"
@@ -38,7 +38,7 @@ pub struct TooSmall {
     pub index: usize,
     /// Bytes it needs: the smallest limit under which all jobs can run.
     pub needed_bytes: u64,
-    /// Bytes of the whole budget.
+    /// Bytes of the whole budget but what is kept.
     pub limit_bytes: u64,
 }
 
