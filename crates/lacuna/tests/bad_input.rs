@@ -387,6 +387,51 @@ fn a_full_or_closed_stdout_is_no_panic() {
     }
 }
 
+/// The limit that a message asks for.
+fn asked_for(run: &Run) -> String {
+    let (_, rest) = run.stderr.split_once("at least --memory ").expect("a limit is named");
+    rest.split_whitespace().next().expect("a limit").to_owned()
+}
+
+#[test]
+fn the_limit_that_is_asked_for_is_enough() {
+    let scene = small();
+    for (limit, flags) in
+        [("1MiB", &[][..]), ("16MiB", &["--external", "fill"]), ("25MiB", &[]), ("26MiB", &[])]
+    {
+        let (refused, out) = (scene.beside("refused"), scene.beside("out"));
+        let run = repair(&scene, &refused, &[&["--memory", limit], flags].concat());
+        run.ends(5);
+        let enough = asked_for(&run);
+        repair(&scene, &out, &[&["--overwrite", "--memory", &enough], flags].concat()).ends(0);
+    }
+}
+
+/// An OBJ of separate triangles, 50 x 50 on a square metre: all that is in it is boundary, and stays in memory.
+fn confetti(west_m: u32) -> String {
+    let triangle = |k: u32| {
+        let (x, y) = (f64::from(west_m) + f64::from(k % 50) * 0.02, f64::from(k / 50) * 0.02);
+        let (right, up) = (x + 0.01, y + 0.01);
+        let first = 3 * k + 1;
+        format!("v {x} {y} 1\nv {right} {y} 1\nv {x} {up} 1\nf {first} {} {}\n", first + 1, first + 2)
+    };
+    (0..2_500).map(triangle).collect()
+}
+
+#[test]
+fn what_is_kept_of_all_tiles_counts() {
+    let scene = SceneFolder::new(|path| {
+        fs::create_dir_all(path).expect("a folder");
+        for i in 0..12 {
+            fs::write(path.join(format!("Tile_+{i:03}_+000.obj")), confetti(i)).expect("written");
+        }
+    });
+    let run = lacuna(["info".as_ref(), scene.path().as_os_str(), "--memory=32MiB".as_ref()]);
+    run.ends(5);
+    let enough = format!("--memory={}", asked_for(&run));
+    lacuna(["info".as_ref(), scene.path().as_os_str(), enough.as_ref()]).ends(0);
+}
+
 /// A small file system of its own, unmounted when dropped.
 struct FullDisk(std::path::PathBuf);
 

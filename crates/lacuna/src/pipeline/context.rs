@@ -1,12 +1,13 @@
 //! What all stages of a run share: settings, threads, memory, the stop flag, progress, and the clock.
 
-use super::RunError;
+use super::error::{RunError, Shortage};
 use crate::config::Settings;
 use crate::progress::Progress;
 use crate::report::StageRecord;
 use crate::{ExitCode, Interrupt};
 use lacuna_schedule::{MemoryBudget, Pool, StopFlag};
 use lacuna_tile::{ReadOptions, UpAxis};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 /// What the program itself takes beside the tiles in work, bytes: code, plan, allocator slack.
@@ -33,6 +34,10 @@ pub(crate) struct Context<'a> {
     pub(crate) interrupt: &'a Interrupt,
     pub(crate) progress: &'a Progress,
     pub(crate) read_options: ReadOptions,
+    /// What the last budget stood beside.
+    held_bytes: AtomicU64,
+    /// The most that any stage needs for one tile, as far as headers tell.
+    tile_bytes: AtomicU64,
 }
 
 impl<'a> Context<'a> {
@@ -41,11 +46,7 @@ impl<'a> Context<'a> {
         interrupt: &'a Interrupt,
         progress: &'a Progress,
     ) -> Result<Self, RunError> {
-        let limit = settings.run.memory_limit_bytes;
-        let left = limit.saturating_sub(BASE_BYTES);
-        if left == 0 {
-            return Err(RunError::memory_too_small("the program itself", 0, 0, BASE_BYTES + (1 << 20)));
-        }
+        let left = settings.run.memory_limit_bytes.saturating_sub(BASE_BYTES);
         Ok(Self {
             settings,
             pool: Pool::new(settings.run.threads).map_err(|e| RunError::failed(e.to_string()))?,
@@ -53,6 +54,8 @@ impl<'a> Context<'a> {
             stop: interrupt.stop_flag(),
             interrupt,
             progress,
+            held_bytes: AtomicU64::new(BASE_BYTES),
+            tile_bytes: AtomicU64::new(0),
             read_options: ReadOptions {
                 up_axis: settings.scene.up_axis.map(|a| match a {
                     crate::config::UpAxis::Y => UpAxis::Y,
@@ -68,20 +71,29 @@ impl<'a> Context<'a> {
     pub(crate) fn budget_beside(&self, kept_bytes: u64) -> MemoryBudget {
         lacuna_system::trim();
         let resident = lacuna_system::current_rss_bytes().unwrap_or(BASE_BYTES).max(BASE_BYTES);
-        MemoryBudget::new(
-            self.settings.run.memory_limit_bytes.saturating_sub(resident.saturating_add(kept_bytes)),
-        )
+        let held = resident.saturating_add(kept_bytes);
+        self.held_bytes.store(held, Ordering::Relaxed);
+        MemoryBudget::new(self.settings.run.memory_limit_bytes.saturating_sub(held))
     }
 
-    /// The error for a job that a stage's budget does not hold, with the limit that would.
+    /// True if the run fills and writes, and does not only look.
+    pub(crate) fn writes_tiles(&self) -> bool {
+        self.settings.scene.output.is_some() && !self.settings.run.dry_run
+    }
+
+    /// Remembers what the largest tile needs, so that a limit which is asked for later holds it too.
+    pub(crate) fn expect_tile(&self, needed_bytes: u64) {
+        self.tile_bytes.fetch_max(needed_bytes, Ordering::Relaxed);
+    }
+
+    /// The error for a job that a stage's budget (of `left_bytes`) does not hold, with a limit that would.
     pub(crate) fn memory_too_small(&self, what: &str, needed_bytes: u64, left_bytes: u64) -> RunError {
-        let taken = self.settings.run.memory_limit_bytes.saturating_sub(left_bytes);
-        RunError::memory_too_small(
-            what,
-            needed_bytes,
-            left_bytes,
-            taken.saturating_add(needed_bytes).saturating_add(SLACK_BYTES),
-        )
+        let limit_bytes = self.settings.run.memory_limit_bytes;
+        // A budget of nothing does not tell how far below nothing it would have been.
+        let held_bytes = self.held_bytes.load(Ordering::Relaxed).max(limit_bytes.saturating_sub(left_bytes));
+        let most = needed_bytes.max(self.tile_bytes.load(Ordering::Relaxed));
+        let least_bytes = limit_for(held_bytes, most);
+        RunError::memory_too_small(what, &Shortage { needed_bytes, held_bytes, limit_bytes, least_bytes })
     }
 
     /// An error if the user asked to stop.
@@ -95,6 +107,11 @@ impl<'a> Context<'a> {
             message: "stopped; nothing half-written is left, and the same command does the rest".to_owned(),
         })
     }
+}
+
+/// A limit for work beside what is held, with room for what differs from run to run.
+pub(crate) fn limit_for(held_bytes: u64, needed_bytes: u64) -> u64 {
+    held_bytes.saturating_add(needed_bytes).saturating_add(SLACK_BYTES)
 }
 
 /// Measures the stages of a run.

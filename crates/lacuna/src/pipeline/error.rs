@@ -26,17 +26,32 @@ impl RunError {
     }
 
     /// The limit does not hold what is named: a tile, or the holes of a cell.
-    pub(crate) fn memory_too_small(what: &str, needed_bytes: u64, left_bytes: u64, least_bytes: u64) -> Self {
+    pub(crate) fn memory_too_small(what: &str, shortage: &Shortage) -> Self {
         let mebibytes = |bytes: u64| bytes.div_ceil(1 << 20);
         let message = format!(
-            "{} needs about {} MiB, but the memory limit leaves {} MiB; give at least --memory {}MiB",
+            "{} needs about {} MiB beside the {} MiB that the program holds, but the memory limit is {} MiB; \
+             give at least --memory {}MiB",
             what.escape_debug(),
-            mebibytes(needed_bytes),
-            mebibytes(left_bytes),
-            mebibytes(least_bytes),
+            mebibytes(shortage.needed_bytes),
+            mebibytes(shortage.held_bytes),
+            shortage.limit_bytes >> 20,
+            mebibytes(shortage.least_bytes),
         );
         Self { exit: ExitCode::MemoryTooSmall, message }
     }
+}
+
+/// How much memory is missing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Shortage {
+    /// What the work that does not fit needs.
+    pub(crate) needed_bytes: u64,
+    /// What is in memory beside it: the program, surveys, patches.
+    pub(crate) held_bytes: u64,
+    /// `--memory`.
+    pub(crate) limit_bytes: u64,
+    /// A limit that this and all later stages fit into.
+    pub(crate) least_bytes: u64,
 }
 
 impl fmt::Display for RunError {

@@ -2,6 +2,8 @@
 
 use super::RunError;
 use super::context::{Context, StageKind};
+use super::kept::kept_bytes;
+use super::memory_account::MemoryAccount;
 use super::preview::tile_preview;
 use crate::report::{DefectRecord, HeightRaster};
 use glam::DVec2;
@@ -68,16 +70,18 @@ pub(crate) fn scan(scene: &Scene, context: &Context<'_>) -> Result<Scanned, RunE
     let jobs: Vec<Job> = scene.groups.iter().enumerate().map(|(k, g)| job(scene, k, g)).collect();
     let bytes = |g: &TileGroup| -> u64 { g.parts.iter().map(|&p| tile_bytes(scene, p)).sum() };
     context.progress.start(StageKind::Scan, scene.groups.len() as u64, scene.groups.iter().map(bytes).sum());
-    let work = |k: usize| scan_group(scene, &scene.groups[k], context);
+    let account = MemoryAccount::new(scene, context);
+    account.check_largest(&jobs)?;
+    let work = |k: usize| {
+        let scanned = scan_group(scene, &scene.groups[k], context);
+        account.keep(k, scanned.as_ref().map_or(0, |s| kept_bytes(&s.survey)));
+        scanned
+    };
     let done = |k: usize| context.progress.advance(bytes(&scene.groups[k]));
-    let results = context.pool.run(&jobs, &context.budget, &context.stop, work, done).map_err(|e| {
-        context.memory_too_small(
-            &format!("tile {}", scene.groups[e.index].name),
-            e.needed_bytes,
-            e.limit_bytes,
-        )
-    })?;
+    let results = context.pool.run(&jobs, &context.budget, &context.stop, work, done);
+    let results = results.map_err(|e| account.too_small(e.index, e.needed_bytes))?;
     context.check_stop()?;
+    account.check_kept()?;
     collect(scene, results, context)
 }
 
@@ -92,7 +96,7 @@ fn job(scene: &Scene, key: usize, group: &TileGroup) -> Job {
     Job { key: key as u64, bytes: group.parts.iter().map(need).fold(1 << 20, u64::saturating_add) }
 }
 
-fn tile_bytes(scene: &Scene, tile: usize) -> u64 {
+pub(super) fn tile_bytes(scene: &Scene, tile: usize) -> u64 {
     scene.tiles[tile].header.as_ref().map_or(0, |h| h.bytes)
 }
 

@@ -65,7 +65,7 @@ pub(crate) fn write(input: &WriteInput<'_>, context: &Context<'_>) -> Result<Wri
         .pool
         .run(
             &jobs,
-            &context.budget,
+            &context.budget_beside(0),
             &context.stop,
             |k| perform(input, &tasks[k], context),
             |k| {

@@ -30,7 +30,7 @@ impl<'a> Work<'a> {
         let results = self.pool.run(&jobs, &self.budget, &stop, work, |_| {}).map_err(|e| RunError {
             exit: ExitCode::MemoryTooSmall,
             message: format!(
-                "checking a tile needs {} MiB; raise --memory",
+                "checking a tile needs about {0} MiB, which is more than the memory limit; give at least --memory {0}MiB",
                 e.needed_bytes.div_ceil(1 << 20)
             ),
         })?;
