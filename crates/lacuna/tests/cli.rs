@@ -349,10 +349,11 @@ fn large() -> SceneFolder {
     })
 }
 
-fn start(scene: &SceneFolder, out: &Path) -> Child {
+fn start(scene: &SceneFolder, out: &Path, flags: &[&str]) -> Child {
     Command::new(env!("CARGO_BIN_EXE_lacuna"))
         .args(["repair", "--progress=none", "-j", "1"])
         .args([scene.path(), out])
+        .args(flags)
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .stderr(Stdio::null())
@@ -390,7 +391,7 @@ fn a_stopped_run_is_finished_by_the_same_command() {
     ] {
         for (moment, waited_for) in [("early", "lacuna/.lock"), ("late", "lacuna/manifest.json")] {
             let out = scene.beside(&format!("{name}_{moment}"));
-            let mut child = start(&scene, &out);
+            let mut child = start(&scene, &out, &[]);
             wait_for(&mut child, || out.join(waited_for).exists());
             send(&child, signal);
             let ended = child.wait().expect("an end").code();
@@ -403,5 +404,24 @@ fn a_stopped_run_is_finished_by_the_same_command() {
             repair(&scene, &out, &[]).ends(0);
             same_bytes(&expected, &digest(&out), name);
         }
+    }
+}
+
+/// The first fill alone takes several seconds at this spacing, and nobody looks at a flag in it.
+#[cfg(unix)]
+#[test]
+fn a_signal_during_a_long_fill_ends_the_run_at_once() {
+    use rustix::process::Signal;
+    let scene = small();
+    for (signal, code) in [(Signal::INT, 130), (Signal::TERM, 143)] {
+        let out = scene.beside("out");
+        let mut child = start(&scene, &out, &["--spacing", "0.25"]);
+        wait_for(&mut child, || out.join("lacuna/.lock").exists());
+        std::thread::sleep(Duration::from_secs(1));
+        let sent = Instant::now();
+        send(&child, signal);
+        assert_eq!(child.wait().expect("an end").code(), Some(code));
+        assert!(sent.elapsed() < Duration::from_secs(2), "{:?}", sent.elapsed());
+        assert_eq!(files_in(&out).into_keys().collect::<Vec<_>>(), ["lacuna/.lock"]);
     }
 }

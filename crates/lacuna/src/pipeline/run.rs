@@ -105,10 +105,13 @@ pub fn repair(
     let out = out_dir::take(&settings.scene.input, out)?;
     refuse_partial_rerun(settings, &out)?;
     let planned = scan_and_plan(&context, &mut stages)?;
-    let solved = stages.measure("fill", || fill(&planned, &context))?;
+    let solved =
+        stages.measure("fill", || context.interrupt.end_at_once_during(|| fill(&planned, &context)))?;
+    context.check_stop()?;
     let (written, refused) =
         stages.measure("write", || write_all(&planned, &solved.fills, &out, &context))?;
     let result = finish(&planned, &solved.fills, &solved.curves, &refused, stages, &context);
+    context.check_stop()?;
     write_run_files(&planned, written, &result, &out, &context)?;
     Ok(result)
 }
@@ -131,7 +134,8 @@ fn scan_and_plan(context: &Context<'_>, stages: &mut Stages) -> Result<Planned, 
     let scene = open_scene(&settings.scene.input, &options).map_err(scene_error)?;
     scene.warnings.iter().for_each(|w| tracing::warn!("{w}"));
     let scanned = stages.measure("scan", || scan(&scene, context))?;
-    let planned = stages.measure("plan", || make_plan(scene, scanned, context))?;
+    let planned = stages
+        .measure("plan", || context.interrupt.end_at_once_during(|| make_plan(scene, scanned, context)))?;
     context.check_stop()?;
     Ok(planned)
 }
