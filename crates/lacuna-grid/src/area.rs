@@ -3,7 +3,8 @@
 use crate::{CellId, Side};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 /// How far the area reaches.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -61,24 +62,53 @@ impl Area {
     }
 }
 
-/// Missing cells that the present ones enclose.
-fn enclosed(present: &BTreeSet<CellId>) -> BTreeSet<CellId> {
-    let (Some(first), Some(last)) = (present.first(), present.last()) else { return BTreeSet::new() };
-    let (j0, j1) = (first.j - 1, last.j + 1);
-    let i0 = present.iter().map(|c| c.i).min().unwrap_or(0) - 1;
-    let i1 = present.iter().map(|c| c.i).max().unwrap_or(0) + 1;
-    let mut outside = BTreeSet::from([CellId::new(i0, j0)]);
-    let mut stack = vec![CellId::new(i0, j0)];
-    while let Some(cell) = stack.pop() {
-        for next in Side::ALL.map(|s| cell.neighbour(s)) {
-            let inside_frame = (i0..=i1).contains(&next.i) && (j0..=j1).contains(&next.j);
-            if inside_frame && !present.contains(&next) && outside.insert(next) {
-                stack.push(next);
+/// Missing cells of one row between two present ones.
+struct Gap {
+    j: i32,
+    first: i32,
+    last: i32,
+}
+
+/// Missing cells that the present ones enclose: no walk over missing cells leads from them out of the scene.
+///
+/// Works on gaps, not on cells, so that two tiles far apart cost no more than two tiles. Steps: the gaps of every row; a
+/// gap is open if the row above or below has no tile over a part of it that lies outside of that row's tiles; what
+/// touches an open gap is open.
+fn enclosed(present: &BTreeSet<CellId>) -> Vec<CellId> {
+    let mut rows: BTreeMap<i32, Vec<i32>> = BTreeMap::new();
+    present.iter().for_each(|c| rows.entry(c.j).or_default().push(c.i));
+    let mut gaps: Vec<Gap> = Vec::new();
+    let mut first_of_row: BTreeMap<i32, Range<usize>> = BTreeMap::new();
+    for (&j, columns) in &rows {
+        let start = gaps.len();
+        let pairs = columns.windows(2).filter(|p| p[1] - p[0] > 1);
+        gaps.extend(pairs.map(|p| Gap { j, first: p[0] + 1, last: p[1] - 1 }));
+        first_of_row.insert(j, start..gaps.len());
+    }
+    let is_open = |gap: &Gap| {
+        [gap.j - 1, gap.j + 1].iter().any(|j| match rows.get(j).and_then(|r| r.first().zip(r.last())) {
+            Some((west, east)) => gap.first < *west || gap.last > *east,
+            None => true,
+        })
+    };
+    let mut open: Vec<bool> = gaps.iter().map(is_open).collect();
+    let mut stack: Vec<usize> = (0..gaps.len()).filter(|&g| open[g]).collect();
+    while let Some(g) = stack.pop() {
+        for j in [gaps[g].j - 1, gaps[g].j + 1] {
+            let row = first_of_row.get(&j).cloned().unwrap_or(0..0);
+            let before = gaps[row.clone()].partition_point(|other| other.last < gaps[g].first);
+            for other in row.start + before..row.end {
+                if gaps[other].first > gaps[g].last {
+                    break;
+                }
+                if !std::mem::replace(&mut open[other], true) {
+                    stack.push(other);
+                }
             }
         }
     }
-    let all = (j0..=j1).flat_map(|j| (i0..=i1).map(move |i| CellId::new(i, j)));
-    all.filter(|c| !present.contains(c) && !outside.contains(c)).collect()
+    let closed = gaps.iter().zip(&open).filter(|(_, open)| !**open).map(|(gap, _)| gap);
+    closed.flat_map(|gap| (gap.first..=gap.last).map(|i| CellId::new(i, gap.j))).collect()
 }
 
 #[cfg(test)]
@@ -105,10 +135,23 @@ mod tests {
             ("diagonal gap is closed", vec!["##.", "#.#", "###"], 1),
             ("two lakes", vec!["#####", "#.#.#", "#####"], 2),
             ("none", vec!["##", "##"], 0),
+            ("a tile alone above a gap of one cell", vec![".#.", "#.#", "###"], 1),
+            ("a tile alone above a gap of two cells", vec![".#..", "#..#", "####"], 0),
+            ("a spiral is open", vec!["#####", "#...#", "#.#.#", "#.###", "#...."], 0),
+            ("a closed spiral", vec!["#####", "#...#", "#.#.#", "#.###", "#####"], 6),
+            ("an island in a lake", vec!["#####", "#...#", "#.#.#", "#...#", "#####"], 8),
         ] {
             let present = cells(&rows);
             assert_eq!(Area::of_cells(&present).cells.len() - present.len(), missing, "{name}");
         }
+    }
+
+    #[test]
+    fn tiles_far_apart_enclose_nothing_and_cost_nothing() {
+        let far = 1 << 29;
+        let present = [(0, 0), (far, 0), (0, far), (-far, far)].map(|(i, j)| CellId::new(i, j));
+        let present = BTreeSet::from(present);
+        assert_eq!(Area::of_cells(&present).cells, present);
     }
 
     #[test]

@@ -34,8 +34,8 @@ pub struct GridHints {
 pub struct InferredGrid {
     /// Origin and size.
     pub grid: Grid,
-    /// Cell of each tile.
-    pub cells: Vec<CellId>,
+    /// Cell of each tile; `None` if neither its name nor a vertex says which.
+    pub cells: Vec<Option<CellId>>,
     /// True if the cells come from the names, false if from the boxes.
     pub from_names: bool,
     /// True if nobody said the cell size: the user should be told the numbers.
@@ -57,53 +57,62 @@ pub enum GridError {
     )]
     TwoTiles(String, String, CellId),
     /// A cell number that no scene has.
-    #[error("tile {0} names a cell farther than a million cells out; rename it or leave it out")]
+    #[error(
+        "tile {0} lies too many cells out to be one of the scene; rename it, mend its stray vertices, or leave it out"
+    )]
     FarIndex(String),
+    /// A box that is no cell's.
+    #[error(
+        "tile {name} is {width_m:.0} m wide where others are {usual_m:.0} m, so its box does not tell its cell; mend its \
+         stray vertices, or leave it out"
+    )]
+    OddBox {
+        /// The tile.
+        name: String,
+        /// Longer side of its box, metres.
+        width_m: f64,
+        /// Median of the longer sides of all boxes, metres.
+        usual_m: f64,
+    },
     /// The flags make no sense.
     #[error("the cell size must be a positive number of metres, not {0}")]
     BadSize(f64),
 }
 
-/// Largest cell number, either sign.
+/// Largest cell number of a name, either sign.
 const LARGEST_INDEX: u32 = 1_000_000;
+
+/// Largest cell number of a box: places far from a grid's corner are many small cells out.
+const LARGEST_BOX_INDEX: u32 = 1 << 30;
+
+/// A box so many times as wide as the others is not one cell's.
+const ODD_WIDTHS: f64 = 4.0;
 
 /// Finds origin, size and the cell of every tile.
 ///
 /// Steps: names give the index (unsigned ones only if the boxes agree with one grid); size = median over neighbouring
 /// pairs of the step of the box centres' sides over the index step; origin = median of (box middle - index middle).
-/// Without names: size = the largest box side rounded, cells by the box middles.
+/// Without names: size = the median of the longer box sides rounded, cells by the box middles. Boxes without vertices
+/// say nothing.
 ///
 /// # Errors
-/// No boxes, two tiles in one cell, or a size that is not positive.
+/// No boxes, two tiles in one cell, a tile too far out, a box too wide to be a cell's, or a size that is not positive.
 pub fn infer_grid(tiles: &[TileBox], hints: GridHints) -> Result<InferredGrid, GridError> {
     if let Some(size) = hints.cell_size_m
         && !(size.is_finite() && size > 0.0)
     {
         return Err(GridError::BadSize(size));
     }
-    let far = |t: &&TileBox| t.index.is_some_and(|(i, j)| i.abs_diff(0).max(j.abs_diff(0)) > LARGEST_INDEX);
-    if let Some(tile) = tiles.iter().find(far) {
-        return Err(GridError::FarIndex(tile.name.clone()));
-    }
     if !tiles.iter().any(has_box) {
         return Err(GridError::NoBoxes);
     }
-    let named = tiles.iter().all(|t| t.index.is_some());
-    let signed = named && tiles.iter().all(|t| t.signed);
-    let mut found = None;
-    if named {
-        let grid = grid_from_names(tiles, hints);
-        if signed || boxes_agree(tiles, &grid) {
-            let cells: Vec<CellId> =
-                tiles.iter().filter_map(|t| t.index).map(|(i, j)| CellId::new(i, j)).collect();
-            found = Some((grid, cells, true));
+    let (grid, cells, from_names) = match by_names(tiles, hints)? {
+        Some((grid, cells)) => (grid, cells, true),
+        None => {
+            let (grid, cells) = by_boxes(tiles, hints)?;
+            (grid, cells, false)
         }
-    }
-    let (grid, cells, from_names) = found.unwrap_or_else(|| {
-        let grid = grid_from_boxes(tiles, hints);
-        let cells: Vec<CellId> = tiles.iter().map(|t| grid.cell_at((t.low + t.high) / 2.0)).collect();
-        (grid, cells, false)
-    });
+    };
     refuse_two_tiles(tiles, &cells)?;
     Ok(InferredGrid {
         grid,
@@ -114,6 +123,54 @@ pub fn infer_grid(tiles: &[TileBox], hints: GridHints) -> Result<InferredGrid, G
     })
 }
 
+type Cells = Vec<Option<CellId>>;
+
+/// Grid and cells, if all names hold an index that can be believed.
+fn by_names(tiles: &[TileBox], hints: GridHints) -> Result<Option<(Grid, Cells)>, GridError> {
+    if tiles.iter().any(|t| t.index.is_none()) {
+        return Ok(None);
+    }
+    let grid = grid_from_names(tiles, hints);
+    let signed = tiles.iter().all(|t| t.signed);
+    if !signed && !boxes_agree(tiles, &grid) {
+        return Ok(None);
+    }
+    let cells: Cells = tiles.iter().map(|t| t.index.map(|(i, j)| CellId::new(i, j))).collect();
+    refuse_far(tiles, &cells, LARGEST_INDEX)?;
+    Ok(Some((grid, cells)))
+}
+
+fn by_boxes(tiles: &[TileBox], hints: GridHints) -> Result<(Grid, Cells), GridError> {
+    let usual_m = usual_width(tiles);
+    let odd = |t: &&TileBox| has_box(t) && width(t) > ODD_WIDTHS * usual_m;
+    if let Some(tile) = tiles.iter().find(odd) {
+        return Err(GridError::OddBox { name: tile.name.clone(), width_m: width(tile), usual_m });
+    }
+    let grid = grid_from_boxes(tiles, hints);
+    let cell = |t: &TileBox| has_box(t).then(|| grid.cell_at((t.low + t.high) / 2.0));
+    let cells: Cells = tiles.iter().map(cell).collect();
+    refuse_far(tiles, &cells, LARGEST_BOX_INDEX)?;
+    Ok((grid, cells))
+}
+
+fn refuse_far(tiles: &[TileBox], cells: &[Option<CellId>], largest: u32) -> Result<(), GridError> {
+    let is_far = |cell: &CellId| cell.i.unsigned_abs().max(cell.j.unsigned_abs()) > largest;
+    match tiles.iter().zip(cells).find(|(_, cell)| cell.as_ref().is_some_and(is_far)) {
+        Some((tile, _)) => Err(GridError::FarIndex(tile.name.clone())),
+        None => Ok(()),
+    }
+}
+
+/// Longer side of a tile's box, metres.
+fn width(tile: &TileBox) -> f64 {
+    (tile.high - tile.low).max_element()
+}
+
+/// Median of the longer sides of all boxes, metres: one odd box changes nothing.
+fn usual_width(tiles: &[TileBox]) -> f64 {
+    median(tiles.iter().filter(|t| has_box(t)).map(width).collect()).unwrap_or(0.0)
+}
+
 fn has_box(tile: &TileBox) -> bool {
     tile.low.is_finite() && tile.high.is_finite() && tile.low.x <= tile.high.x
 }
@@ -122,8 +179,7 @@ fn grid_from_names(tiles: &[TileBox], hints: GridHints) -> Grid {
     let boxed: Vec<_> = tiles.iter().filter(|t| has_box(t)).collect();
     let cell_size_m = hints.cell_size_m.unwrap_or_else(|| {
         let steps = steps_over_indices(&boxed);
-        let widest = boxed.iter().map(|t| (t.high - t.low).max_element()).fold(0.0, f64::max);
-        tidy(median(steps).unwrap_or(widest))
+        tidy(median(steps).unwrap_or_else(|| usual_width(tiles)))
     });
     let origin = hints.origin.unwrap_or_else(|| {
         let axis = |pick: fn(DVec2) -> f64| {
@@ -173,12 +229,17 @@ fn steps_over_indices(tiles: &[&TileBox]) -> Vec<f64> {
 }
 
 fn grid_from_boxes(tiles: &[TileBox], hints: GridHints) -> Grid {
-    let boxed: Vec<_> = tiles.iter().filter(|t| has_box(t)).collect();
-    let widest = boxed.iter().map(|t| (t.high - t.low).max_element()).fold(0.0, f64::max);
-    let cell_size_m = hints.cell_size_m.unwrap_or_else(|| round_size(widest));
-    let low = boxed.iter().fold(DVec2::INFINITY, |m, t| m.min(t.low));
+    let usual_m = usual_width(tiles);
+    let cell_size_m = hints.cell_size_m.unwrap_or_else(|| round_size(usual_m));
+    let lowest = |is_full: bool| {
+        // A full tile's corner is its cell's corner; a partly filled one's lies anywhere in it.
+        let counts =
+            |t: &&TileBox| has_box(t) && (!is_full || (t.high - t.low).min_element() >= 0.98 * usual_m);
+        tiles.iter().filter(counts).fold(DVec2::INFINITY, |m, t| m.min(t.low))
+    };
+    let low = Some(lowest(true)).filter(|l| l.is_finite()).unwrap_or_else(|| lowest(false));
     // A margin beyond the cell (overrun) moves the lowest corner out by half of what the boxes exceed the cell.
-    let margin = ((widest - cell_size_m) / 2.0).max(0.0);
+    let margin = ((usual_m - cell_size_m) / 2.0).max(0.0);
     let origin = hints.origin.unwrap_or_else(|| {
         DVec2::new(tidy_origin(low.x + margin, cell_size_m), tidy_origin(low.y + margin, cell_size_m))
     });
@@ -199,11 +260,11 @@ fn boxes_agree(tiles: &[TileBox], grid: &Grid) -> bool {
     agree * 10 >= boxed.len() * 9
 }
 
-fn refuse_two_tiles(tiles: &[TileBox], cells: &[CellId]) -> Result<(), GridError> {
+fn refuse_two_tiles(tiles: &[TileBox], cells: &[Option<CellId>]) -> Result<(), GridError> {
     let mut first: BTreeMap<CellId, &str> = BTreeMap::new();
-    for (tile, cell) in tiles.iter().zip(cells) {
-        if let Some(other) = first.insert(*cell, &tile.name) {
-            return Err(GridError::TwoTiles(other.to_owned(), tile.name.clone(), *cell));
+    for (tile, cell) in tiles.iter().zip(cells).filter_map(|(t, c)| Some((t, (*c)?))) {
+        if let Some(other) = first.insert(cell, &tile.name) {
+            return Err(GridError::TwoTiles(other.to_owned(), tile.name.clone(), cell));
         }
     }
     Ok(())
@@ -283,7 +344,7 @@ mod tests {
             assert!((found.grid.cell_size_m - size).abs() < 1e-9, "{name}: {:?}", found.grid);
             assert!((found.grid.origin - DVec2::splat(origin)).length() < 1e-6, "{name}: {:?}", found.grid);
             assert!(found.from_names, "{name}");
-            assert_eq!(found.cells[4], CellId::new(1, 1), "{name}");
+            assert_eq!(found.cells[4], Some(CellId::new(1, 1)), "{name}");
         }
     }
 
@@ -306,6 +367,39 @@ mod tests {
         let found = infer_grid(&tiles, GridHints::default()).expect("grid");
         assert!(!found.from_names);
         assert_eq!(found.grid.cell_size_m, 100.0);
+    }
+
+    #[test]
+    fn one_odd_tile_does_not_turn_a_grid_without_names() {
+        let unnamed = |mut tiles: Vec<TileBox>| {
+            tiles.iter_mut().for_each(|t| t.index = None);
+            tiles
+        };
+        let grid = Grid { origin: DVec2::ZERO, cell_size_m: 100.0 };
+        let mut tiles = unnamed(row(0.1, 100.0, 0.0, false));
+        let clean = infer_grid(&tiles, GridHints::default()).expect("grid");
+        assert_eq!(clean.grid, grid);
+        // A half-empty tile in the south-west, one that is a little too wide, one without vertices, a date as a name.
+        tiles[0].low = DVec2::splat(41.0);
+        tiles[5].high.x += 60.0;
+        let empty = (f64::INFINITY, f64::NEG_INFINITY);
+        tiles.push(tile(None, false, (empty.0, empty.0), (empty.1, empty.1)));
+        tiles[7].index = Some((20_240_101, 7));
+        let found = infer_grid(&tiles, GridHints::default()).expect("grid");
+        assert_eq!(found.grid, grid);
+        assert_eq!(found.cells[..12], clean.cells[..]);
+        assert_eq!(found.cells[12], None, "nothing says where it lies");
+    }
+
+    #[test]
+    fn a_stray_vertex_names_its_tile_where_boxes_are_all_there_is() {
+        let mut tiles = row(0.0, 100.0, 0.0, true);
+        tiles[5].high.x = 1e9;
+        let named = infer_grid(&tiles, GridHints::default()).expect("names tell the cells");
+        assert_eq!(named.grid, Grid { origin: DVec2::ZERO, cell_size_m: 100.0 });
+        tiles.iter_mut().for_each(|t| t.index = None);
+        let error = infer_grid(&tiles, GridHints::default()).expect_err("no cell is that wide");
+        assert!(error.to_string().contains(&tiles[5].name), "{error}");
     }
 
     #[test]

@@ -1,7 +1,19 @@
-//! Polygons that users give: areas and regions from GeoJSON files.
+//! Plane geometry that several stages share: polygons that users give, and boxes of tiles.
 
 use glam::DVec2;
-use lacuna_mesh::{Location, contains};
+use lacuna_grid::{CellId, Grid};
+use lacuna_mesh::{Bounds, Location, contains};
+
+/// The box of a tile without what lies more than a cell's size past its cell: no tile reaches that far, but a stray vertex
+/// does, and one of them must not stretch the scene.
+pub(crate) fn box_near_cell(bounds: &Bounds, grid: &Grid, cell: CellId) -> Bounds {
+    let (low, high) = grid.rectangle(cell);
+    let near = |p: glam::DVec3| {
+        let plan = p.truncate().clamp(low - grid.cell_size_m, high + grid.cell_size_m);
+        plan.extend(p.z)
+    };
+    if bounds.is_empty() { *bounds } else { Bounds { min: near(bounds.min), max: near(bounds.max) } }
+}
 
 /// Rings in scene coordinates; a point is inside if an odd number of rings holds it.
 #[derive(Clone, Debug, Default, PartialEq)]

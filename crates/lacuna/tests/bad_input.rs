@@ -175,6 +175,40 @@ fn some_positions_that_are_no_numbers_do_not_end_the_run() {
 }
 
 #[test]
+fn a_stray_vertex_does_not_stretch_the_scene() {
+    fn stray(ply: &[u8]) -> Vec<u8> {
+        let mut bytes = ply.to_vec();
+        let row = header_length(ply) + 12 * (vertex_count(ply) - 1);
+        bytes[row..row + 4].copy_from_slice(&1e9_f32.to_le_bytes());
+        bytes
+    }
+    let scene = small().changed(|path| damage(&tile_of(path, BAD), stray));
+    for area in ["cells", "box"] {
+        let out = scene.beside(area);
+        repair(&scene, &out, &["--area", area]).ends(0);
+        let report = report(&out);
+        let told = report.defects.iter().any(|d| d.tile == BAD && d.what.contains("past its cell"));
+        assert!(told, "{:?}", report.defects);
+        assert_eq!(report.scene.cells, 9, "{area}");
+        let lake = report.holes.iter().find(|h| h.cell == [1, 1]).expect("the lake's middle");
+        assert_eq!(lake.outcome, lacuna::report::Outcome::Filled, "{area}");
+        lacuna(["verify".as_ref(), scene.path().as_os_str(), out.as_os_str()]).ends(0);
+    }
+}
+
+#[test]
+fn an_area_of_too_many_cells_is_refused() {
+    let scene = small();
+    let file = scene.beside("world.geojson");
+    let square = "[[-1e9, -1e9], [1e9, -1e9], [1e9, 1e9], [-1e9, 1e9], [-1e9, -1e9]]";
+    fs::write(&file, format!(r#"{{"type": "Polygon", "coordinates": [{square}]}}"#)).expect("written");
+    let out = scene.beside("out");
+    let run = repair(&scene, &out, &["--area", file.to_str().expect("UTF-8")]);
+    run.ends(2).says("more than a run can plan");
+    one_sentence(&run, "world.geojson");
+}
+
+#[test]
 fn all_tiles_bad_is_a_failed_run() {
     let scene = small().changed(|path| {
         for name in files_in(path).into_keys().filter(|n| n.ends_with(".ply")) {

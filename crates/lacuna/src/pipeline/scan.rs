@@ -5,6 +5,7 @@ use super::context::{Context, StageKind};
 use super::kept::kept_bytes;
 use super::memory_account::MemoryAccount;
 use super::preview::tile_preview;
+use crate::geometry::box_near_cell;
 use crate::report::{DefectRecord, HeightRaster};
 use glam::DVec2;
 use lacuna_grid::{CellId, Grid, GridHints, InferredGrid, TileBox, infer_grid};
@@ -168,21 +169,58 @@ fn collect(
             }
             JobResult::Stopped => continue,
         };
-        tracing::warn!("{name}: {problem}");
-        if context.settings.run.strict {
-            return Err(RunError::failed(problem));
-        }
-        defects.push(defect(name, &problem, true));
+        defects.push(reported(name, &problem, context)?);
         bad.push(group);
     }
     if good.is_empty() {
         let first = defects.iter().find(|d| d.unusable).map_or("", |d| d.what.as_str());
         return Err(RunError::failed(format!("no tile could be read; the first problem: {first}")));
     }
+    place(scene, good, &bad, defects, context)
+}
+
+/// Gives every tile its cell.
+fn place(
+    scene: &Scene,
+    good: Vec<(usize, ScannedTile)>,
+    bad: &[usize],
+    mut defects: Vec<DefectRecord>,
+    context: &Context<'_>,
+) -> Result<Scanned, RunError> {
     let grid = find_grid(scene, &good, context)?;
+    let (unreadable, mut lost_cell) = cells_of_bad(scene, bad, &grid);
+    let (mut surveys, mut tiles) = (Surveys::new(), BTreeMap::new());
+    let mut bounds = Bounds::EMPTY;
+    let mut previews = Vec::new();
+    for ((group, mut tile), &cell) in good.into_iter().zip(&grid.cells) {
+        let name = &scene.groups[group].name;
+        let Some(cell) = cell else {
+            let problem =
+                "it holds no vertex, so nothing says which cell it is of; leave it out of the scene";
+            defects.push(reported(name, problem, context)?);
+            lost_cell = true;
+            continue;
+        };
+        let near = box_near_cell(&tile.survey.bounds, &grid.grid, cell);
+        if near == tile.survey.bounds {
+            previews.push(tile.preview);
+        } else {
+            let what = "vertices more than a cell past its cell do not count for the scene's box";
+            defects.push(defect(name, what, false));
+        }
+        bounds = bounds.union(&near);
+        tile.survey.cell = cell;
+        tiles.insert(cell, CellTile { name: name.clone(), group, parts: tile.parts });
+        surveys.insert(cell, tile.survey);
+    }
+    Ok(Scanned { surveys, tiles, grid, unreadable, lost_cell, defects, bounds, previews })
+}
+
+/// Cells of the tiles that can't be used, and whether there are some whose cell nothing tells.
+fn cells_of_bad(scene: &Scene, bad: &[usize], grid: &InferredGrid) -> (BTreeMap<CellId, String>, bool) {
     let mut unreadable = BTreeMap::new();
     let mut lost_cell = false;
-    for group in bad {
+    for &group in bad {
         let group = &scene.groups[group];
         match group.index {
             Some((i, j)) if grid.from_names => {
@@ -191,17 +229,16 @@ fn collect(
             _ => lost_cell = true,
         }
     }
-    let (mut surveys, mut tiles) = (Surveys::new(), BTreeMap::new());
-    let mut bounds = Bounds::EMPTY;
-    let mut previews = Vec::new();
-    for ((group, mut tile), &cell) in good.into_iter().zip(&grid.cells) {
-        bounds = bounds.union(&tile.survey.bounds);
-        tile.survey.cell = cell;
-        tiles.insert(cell, CellTile { name: scene.groups[group].name.clone(), group, parts: tile.parts });
-        surveys.insert(cell, tile.survey);
-        previews.push(tile.preview);
+    (unreadable, lost_cell)
+}
+
+/// The record of a tile that can't be used, said aloud; with `--strict` the end of the run.
+fn reported(name: &str, problem: &str, context: &Context<'_>) -> Result<DefectRecord, RunError> {
+    tracing::warn!("{name}: {problem}");
+    if context.settings.run.strict {
+        return Err(RunError::failed(problem));
     }
-    Ok(Scanned { surveys, tiles, grid, unreadable, lost_cell, defects, bounds, previews })
+    Ok(defect(name, problem, true))
 }
 
 fn find_grid(

@@ -4,6 +4,7 @@ use super::patch_mesh::CellMesh;
 use super::records::Records;
 use super::seams::BorderEdge;
 use super::work::Work;
+use crate::geometry::box_near_cell;
 use crate::report::Report;
 use crate::{ExitCode, RunError};
 use glam::DVec2;
@@ -49,9 +50,11 @@ impl Layout {
         let bad: BTreeSet<usize> = (0..groups.len()).filter(|g| read.iter().all(|(r, _)| r != g)).collect();
         let unreadable =
             bad.iter().filter_map(|&g| groups[g].index).map(|(i, j)| CellId::new(i, j)).collect();
-        let bounds = read.iter().fold(Bounds::EMPTY, |b, (_, s)| b.union(&s.bounds));
+        let mut bounds = Bounds::EMPTY;
         let (mut surveys, mut by_cell) = (Surveys::new(), BTreeMap::new());
-        for ((group, mut survey), &cell) in read.into_iter().zip(&cells) {
+        for ((group, mut survey), cell) in read.into_iter().zip(cells) {
+            let Some(cell) = cell else { continue };
+            bounds = bounds.union(&box_near_cell(&survey.bounds, &grid, cell));
             survey.cell = cell;
             by_cell.insert(cell, group);
             surveys.insert(cell, survey);
@@ -119,13 +122,16 @@ pub(super) fn group_bytes(scene: &Scene, group: &TileGroup) -> u64 {
     group.parts.iter().map(need).sum::<u64>() + (1 << 20)
 }
 
-/// Box and boundary of a tile; `None` if a file of it cannot be read.
+/// Box and boundary of a tile; `None` if a file of it cannot be read, or no vertex has a place.
 fn survey(scene: &Scene, group: &TileGroup, options: &ReadOptions) -> Option<CellSurvey> {
     let mut cell = CellMesh::default();
     for &part in &group.parts {
         let entry = &scene.tiles[part];
         let read = read_tile(&scene.path(entry), entry.format, options).ok()?;
         append(&mut cell.mesh, read.mesh);
+    }
+    if !cell.mesh.positions.is_empty() && !cell.mesh.positions.iter().any(|p| p.is_finite()) {
+        return None;
     }
     let boundary = boundary(&cell.mesh);
     let mut bounds = Bounds::EMPTY;
@@ -164,7 +170,7 @@ fn find_grid(
     scene: &Scene,
     read: &[(usize, CellSurvey)],
     report: &Report,
-) -> Result<(Grid, Vec<CellId>), RunError> {
+) -> Result<(Grid, Vec<Option<CellId>>), RunError> {
     let boxes: Vec<TileBox> = read
         .iter()
         .map(|(group, survey)| {
