@@ -1,5 +1,6 @@
 //! The reconstruction area of a run.
 
+use super::RunError;
 use super::scan::Scanned;
 use crate::PolygonSet;
 use crate::config::AreaLimit;
@@ -10,31 +11,63 @@ use std::collections::BTreeSet;
 /// The area that the settings ask for: the cells that have tiles (unreadable ones too), the box of all vertices, or
 /// polygons; then missing cells that lie wholly inside them belong to it too.
 /// `margin_m` is how far tiles run past their cells: no cell lies in that margin alone.
-pub(crate) fn area(scanned: &Scanned, limit: &AreaLimit, srs_origin: DVec2, margin_m: f64) -> Area {
+///
+/// # Errors
+/// A box or polygons over more cells than a run can plan.
+pub(crate) fn area(
+    scanned: &Scanned,
+    limit: &AreaLimit,
+    srs_origin: DVec2,
+    margin_m: f64,
+) -> Result<Area, RunError> {
     let present: BTreeSet<CellId> =
         scanned.surveys.keys().chain(scanned.unreadable.keys()).copied().collect();
     let grid = &scanned.grid.grid;
     match limit {
-        AreaLimit::Cells => Area::of_cells(&present),
+        AreaLimit::Cells => Ok(Area::of_cells(&present)),
         AreaLimit::Box => {
             let b = &scanned.bounds;
             let (low, high) = (b.min.truncate(), b.max.truncate());
+            refuse_too_many_cells(grid, low, high, "--area box: the box of all tiles", "give --area cells")?;
             let inner = Area::of_box(&present, grid, low + margin_m, high - margin_m);
-            Area { cells: inner.cells, limit: GridLimit::Box(low, high) }
+            Ok(Area { cells: inner.cells, limit: GridLimit::Box(low, high) })
         }
         AreaLimit::Polygon(file) => {
             let polygons = file.in_scene(srs_origin);
-            let cells = present.into_iter().chain(cells_inside(&polygons, grid)).collect();
-            Area { cells, limit: GridLimit::Polygon(polygons.rings) }
+            let points = || polygons.rings.iter().flatten();
+            let low = points().fold(DVec2::INFINITY, |m, p| m.min(*p));
+            let high = points().fold(DVec2::NEG_INFINITY, |m, p| m.max(*p));
+            let what = format!("{}: the box of its polygons", file.path.display());
+            refuse_too_many_cells(grid, low, high, &what, "check that its coordinates are the scene's")?;
+            let cells = present.into_iter().chain(cells_inside(&polygons, grid, low, high)).collect();
+            Ok(Area { cells, limit: GridLimit::Polygon(polygons.rings) })
         }
     }
 }
 
+/// Missing cells of the area take memory and time like those that have tiles.
+const MOST_CELLS: f64 = 4e6;
+
+fn refuse_too_many_cells(
+    grid: &Grid,
+    low: DVec2,
+    high: DVec2,
+    what: &str,
+    advice: &str,
+) -> Result<(), RunError> {
+    let count = ((high - low) / grid.cell_size_m).ceil().max(DVec2::ZERO);
+    let cells = count.x * count.y;
+    if cells <= MOST_CELLS || !cells.is_finite() {
+        return Ok(());
+    }
+    Err(RunError::usage(format!(
+        "{what} holds {} x {} cells of {} m, more than a run can plan; {advice}, or leave out what lies far off",
+        count.x, count.y, grid.cell_size_m
+    )))
+}
+
 /// Cells whose four corners and middle lie inside the polygons.
-fn cells_inside(polygons: &PolygonSet, grid: &Grid) -> Vec<CellId> {
-    let points = || polygons.rings.iter().flatten();
-    let low = points().fold(DVec2::INFINITY, |m, p| m.min(*p));
-    let high = points().fold(DVec2::NEG_INFINITY, |m, p| m.max(*p));
+fn cells_inside(polygons: &PolygonSet, grid: &Grid, low: DVec2, high: DVec2) -> Vec<CellId> {
     if !(low.is_finite() && high.is_finite()) {
         return Vec::new();
     }

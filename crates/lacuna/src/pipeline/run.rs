@@ -153,7 +153,7 @@ fn make_plan(scene: Scene, scanned: Scanned, context: &Context<'_>) -> Result<Pl
     let origin = settings.scene.srs_origin.or_else(|| scene.metadata.as_ref().map(|m| m.srs_origin));
     let srs_origin = origin.map_or(DVec2::ZERO, |o| DVec2::new(o[0], o[1]));
     let fit = fit_borders(&scanned.surveys, &scanned.grid.grid);
-    let area = area(&scanned, &settings.area.limit, srs_origin, fit.margin_m);
+    let area = area(&scanned, &settings.area.limit, srs_origin, fit.margin_m)?;
     let unreadable = scanned.unreadable_cells(&area.cells);
     let options = PlanOptions {
         grid: scanned.grid.grid,
