@@ -96,7 +96,7 @@ pub enum CopyMode {
 pub enum Hashing {
     /// blake3 of the copied bytes.
     Yes,
-    /// No hash; the kernel may copy without our seeing the bytes.
+    /// No hash.
     No,
 }
 
@@ -112,19 +112,22 @@ pub struct Copied {
 /// Copies a regular file's content; the copy appears whole or not at all. Permissions and times are those of a new file.
 ///
 /// # Errors
-/// `Io`; `Unsupported` if `from` is no regular file.
+/// `Io`, with the path that refused: that of `from` if it can't be read, else that of the copy; `Unsupported` if `from` is
+/// no regular file.
 pub fn copy_file(from: &Path, to: &Path, mode: CopyMode, hashing: Hashing) -> Result<Copied, TileError> {
     let (mut source, _) = open_regular(from)?;
     let (mut copy, temporary) = new_temporary(to)?;
     let shared = mode == CopyMode::Reflink && reflink(&source, &copy);
     let failed = |e| TileError::io(to, "copy into", e);
     let copied = match (shared, hashing) {
-        (true, Hashing::Yes) => hash_content(&mut copy),
-        (true, Hashing::No) => copy.metadata().map(|m| Copied { bytes: m.len(), hash: None }),
-        (false, Hashing::Yes) => copy_hashed(&mut source, &mut copy),
-        (false, Hashing::No) => io::copy(&mut source, &mut copy).map(|bytes| Copied { bytes, hash: None }),
-    }
-    .map_err(failed)?;
+        (true, Hashing::Yes) => {
+            copy.rewind().map_err(failed)?;
+            copy_hashed((&mut copy, to), (&mut io::sink(), to))?
+        }
+        (true, Hashing::No) => Copied { bytes: copy.metadata().map_err(failed)?.len(), hash: None },
+        (false, Hashing::Yes) => copy_hashed((&mut source, from), (&mut copy, to))?,
+        (false, Hashing::No) => Copied { hash: None, ..copy_hashed((&mut source, from), (&mut copy, to))? },
+    };
     finish(&copy, temporary, to)?;
     Ok(copied)
 }
@@ -175,12 +178,10 @@ fn reflink(_source: &File, _target: &File) -> bool {
     false
 }
 
-fn hash_content(file: &mut File) -> io::Result<Copied> {
-    file.rewind()?;
-    copy_hashed(file, &mut io::sink())
-}
-
-fn copy_hashed(source: &mut File, target: &mut impl Write) -> io::Result<Copied> {
+fn copy_hashed(
+    (source, from): (&mut File, &Path),
+    (target, to): (&mut impl Write, &Path),
+) -> Result<Copied, TileError> {
     let mut hasher = blake3::Hasher::new();
     let mut buffer = vec![0; BUFFER_BYTES];
     let mut bytes = 0;
@@ -189,11 +190,11 @@ fn copy_hashed(source: &mut File, target: &mut impl Write) -> io::Result<Copied>
             Ok(0) => return Ok(Copied { bytes, hash: Some(*hasher.finalize().as_bytes()) }),
             Ok(taken) => taken,
             Err(e) if e.kind() == io::ErrorKind::Interrupted => continue,
-            Err(e) => return Err(e),
+            Err(e) => return Err(TileError::io(from, "read", e)),
         };
         let (chunk, _) = buffer.split_at(taken);
         hasher.update(chunk);
-        target.write_all(chunk)?;
+        target.write_all(chunk).map_err(|e| TileError::io(to, "copy into", e))?;
         bytes += taken as u64;
     }
 }

@@ -69,6 +69,17 @@ fn a_folder_that_takes_no_files_is_named_with_its_number() {
     assert!(matches!(&error, TileError::Io { .. }) && error.errno().is_some(), "{error}");
 }
 
+/// Its first bytes are no memory of the process: reading them fails, opening does not.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_copy_that_fails_names_the_side_that_refused() {
+    let folder = Folder::new();
+    let (bad, to) = (std::path::Path::new("/proc/self/mem"), folder.path("to"));
+    let error = copy_file(bad, &to, CopyMode::Copy, Hashing::Yes).expect_err("unreadable");
+    assert_eq!(error.path(), bad, "{error}");
+    assert!(!to.exists());
+}
+
 #[cfg(unix)]
 #[test]
 fn permissions_are_those_of_any_new_file() {
