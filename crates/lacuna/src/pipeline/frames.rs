@@ -45,33 +45,25 @@ impl Frames {
     pub(crate) fn round_curves(&self, plan: &Plan, curves: &mut Curves) {
         for (k, curve) in plan.curves.iter().enumerate() {
             let cells: Vec<CellId> = curve.holes.iter().map(|&h| plan.holes[h as usize].cell).collect();
+            let frames = self.different(cells.iter());
             for p in &mut curves.curves[k].inner {
-                *p = self.round_shared(&cells, *p);
+                *p = round_shared(&frames, *p);
             }
         }
         for (corner, p) in &mut curves.corners {
-            *p = self.round_shared(&corner.cells(), *p);
+            *p = round_shared(&self.different(corner.cells().iter()), *p);
         }
     }
 
-    /// A position near `p` that all frames of the cells return unchanged, if there is one; else the first one's.
-    fn round_shared(&self, cells: &[CellId], p: DVec3) -> DVec3 {
-        let frames: Vec<&VertexFrame> = cells.iter().filter_map(|c| self.by_cell.get(c)).collect();
-        let Some(first) = frames.first() else { return p };
-        let stable = |q: DVec3| frames.iter().all(|f| f.round(q) == q);
-        let rounded = first.round(p);
-        if stable(rounded) {
-            return rounded;
-        }
-        // A lattice of powers of two that both offsets lie on holds exactly in both.
-        for bits in [13, 12, 11, 10, 9, 8] {
-            let step = f64::from(1u32 << bits);
-            let lattice = (p * step).round() / step;
-            if stable(lattice) {
-                return lattice;
+    /// The frames of some cells, each once: most tiles of a scene store positions alike.
+    fn different<'c>(&self, cells: impl Iterator<Item = &'c CellId>) -> Vec<&VertexFrame> {
+        let mut frames: Vec<&VertexFrame> = Vec::new();
+        for frame in cells.filter_map(|c| self.by_cell.get(c)) {
+            if !frames.contains(&frame) {
+                frames.push(frame);
             }
         }
-        rounded
+        frames
     }
 
     /// Compares what both tiles of every shared curve store.
@@ -82,10 +74,11 @@ impl Frames {
                 continue;
             }
             facts.borders += 1;
-            let frames: Vec<&VertexFrame> =
-                curve.holes.iter().filter_map(|&h| self.by_cell.get(&plan.holes[h as usize].cell)).collect();
-            for &p in &curves.curves[k].inner {
-                facts.shared_vertices += 1;
+            let inner = &curves.curves[k].inner;
+            facts.shared_vertices += inner.len() as u64;
+            let frames = self.different(curve.holes.iter().map(|&h| &plan.holes[h as usize].cell));
+            // Tiles that store positions alike give the same back.
+            for &p in inner.iter().filter(|_| frames.len() > 1) {
                 let places: Vec<DVec3> = frames.iter().map(|f| f.round(p)).collect();
                 if places.windows(2).any(|w| w[0] != w[1]) {
                     facts.differing_vertices += 1;
@@ -95,4 +88,23 @@ impl Frames {
         }
         facts
     }
+}
+
+/// A position near `p` that all frames return unchanged, if there is one; else the first one's.
+fn round_shared(frames: &[&VertexFrame], p: DVec3) -> DVec3 {
+    let Some(first) = frames.first() else { return p };
+    let stable = |q: DVec3| frames.iter().all(|f| f.round(q) == q);
+    let rounded = first.round(p);
+    if stable(rounded) {
+        return rounded;
+    }
+    // A lattice of powers of two that both offsets lie on holds exactly in both.
+    for bits in [13, 12, 11, 10, 9, 8] {
+        let step = f64::from(1u32 << bits);
+        let lattice = (p * step).round() / step;
+        if stable(lattice) {
+            return lattice;
+        }
+    }
+    rounded
 }
