@@ -466,11 +466,48 @@ fn what_is_kept_of_all_tiles_counts() {
     lacuna(["info".as_ref(), scene.path().as_os_str(), enough.as_ref()]).ends(0);
 }
 
-/// A small file system of its own, unmounted when dropped.
-struct FullDisk(std::path::PathBuf);
+/// A file that opens and cannot be read, laid over a file of the scene (the memory of this process has no byte 0).
+fn unreadable(file: &Path) -> Option<Mounted> {
+    let memory = format!("/proc/{}/mem", std::process::id());
+    let status = std::process::Command::new("mount")
+        .args(["--bind", &memory])
+        .arg(file)
+        .stderr(std::process::Stdio::null())
+        .status();
+    status.is_ok_and(|s| s.success()).then(|| Mounted(file.to_owned()))
+}
 
-impl FullDisk {
-    fn new(path: &Path, kibibytes: u32) -> Option<Self> {
+#[test]
+fn a_file_that_cannot_be_copied_is_a_record() {
+    let scene = small().changed(|path| fs::write(path.join("notes.txt"), "notes").expect("written"));
+    let whole_out = scene.beside("whole");
+    repair(&scene, &whole_out, &[]).ends(0);
+    let whole = tiles(&whole_out);
+    for (name, file, filled) in [("notes.txt", scene.path().join("notes.txt"), 10), (BAD, scene.tile(BAD), 9)]
+    {
+        let Some(_laid_over) = unreadable(&file) else {
+            println!("skipped: files cannot be laid over others here (it needs root)");
+            return;
+        };
+        let out = scene.beside(name);
+        let run = repair(&scene, &out, &[]);
+        run.ends(3).says(name);
+        let report = report(&out);
+        let records: Vec<_> = report.defects.iter().filter(|d| d.unusable && d.tile == name).collect();
+        assert_eq!(records.len(), 1, "{:?}", report.defects);
+        assert_eq!(report.summary.filled, filled);
+        let mut expected = whole.clone();
+        expected.retain(|path, _| !path.contains(name));
+        kit::same_bytes(&expected, &tiles(&out), name);
+        repair(&scene, &scene.beside("strict"), &["--strict"]).ends(1).says(name);
+    }
+}
+
+/// Something mounted, unmounted when dropped: a small file system of its own, or a file laid over another.
+struct Mounted(std::path::PathBuf);
+
+impl Mounted {
+    fn disk(path: &Path, kibibytes: u32) -> Option<Self> {
         fs::create_dir_all(path).ok()?;
         let size = format!("size={kibibytes}k");
         let status = std::process::Command::new("mount")
@@ -482,7 +519,7 @@ impl FullDisk {
     }
 }
 
-impl Drop for FullDisk {
+impl Drop for Mounted {
     fn drop(&mut self) {
         let _ = std::process::Command::new("umount").arg(&self.0).status();
     }
@@ -495,7 +532,7 @@ fn a_full_disk_leaves_no_half_tile() {
     repair(&scene, &whole_out, &[]).ends(0);
     let whole = tiles(&whole_out);
     for kibibytes in [16, 64, 150, 300, 600] {
-        let Some(disk) = FullDisk::new(&scene.beside("disk"), kibibytes) else {
+        let Some(disk) = Mounted::disk(&scene.beside("disk"), kibibytes) else {
             println!("skipped: a small file system cannot be mounted here (it needs root)");
             return;
         };

@@ -4,6 +4,7 @@ mod kit;
 
 use kit::{SceneFolder, digest, files_in, lacuna, repair, report, same_bytes, small};
 use lacuna::report::{Outcome, Report};
+use scene::encode::Format;
 use scene::make::make;
 use scene::maker::{MakeOptions, Maker};
 use scene::preset::Preset;
@@ -131,6 +132,41 @@ fn omit_leaves_out_what_is_unchanged() {
     assert_eq!(tiles, ["Tile_+000_+002/Tile_+000_+002.ply", "Tile_+002_+002/Tile_+002_+002.ply"]);
     let changed = fs::read_to_string(out.join("lacuna/changed.txt")).expect("a list");
     assert_eq!(changed.lines().collect::<Vec<_>>(), tiles);
+}
+
+/// Two formats with files beside the tiles, and a tile of two files of which one gets the patch.
+#[test]
+fn changed_txt_lists_what_differs_from_the_scene() {
+    let made = |format| {
+        let options = MakeOptions { format, ..MakeOptions::new(Preset::Small) };
+        SceneFolder::new(|path| {
+            make(&Maker::new(options).expect("options"), path).expect("a scene");
+        })
+    };
+    let in_parts = small().changed(|path| {
+        let name = "Tile_+000_+002";
+        let part = |k: u32| path.join(name).join(format!("{name}_L20_{k}.ply"));
+        fs::rename(path.join(name).join(name).with_extension("ply"), part(1)).expect("renamed");
+        let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                      element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+        fs::write(part(2), format!("{header}50 201 0\n51 201 0\n50 202 0\n3 0 1 2\n")).expect("written");
+    });
+    for (name, scene) in [("obj", made(Format::Obj)), ("glb", made(Format::Glb)), ("parts", in_parts)] {
+        let out = scene.beside("out");
+        repair(&scene, &out, &["--class", "closed"]).ends(0);
+        let before = files_in(scene.path());
+        let mut after = files_in(&out);
+        after.retain(|path, bytes| !path.starts_with("lacuna/") && before.get(path) != Some(bytes));
+        let changed = fs::read_to_string(out.join("lacuna/changed.txt")).expect("a list");
+        assert_eq!(changed.lines().collect::<Vec<_>>(), after.keys().collect::<Vec<_>>(), "{name}");
+        let report = report(&out);
+        assert_eq!(
+            (report.changed_tiles.len(), filled(&report)),
+            (2, 2),
+            "{name}: {:?}",
+            report.changed_tiles
+        );
+    }
 }
 
 #[test]

@@ -123,14 +123,32 @@ pub(crate) struct Stages {
 impl Stages {
     /// Runs one stage and records its time and peak memory.
     pub(crate) fn measure<T>(&mut self, name: &str, stage: impl FnOnce() -> T) -> T {
-        let (start, cpu) = (Instant::now(), lacuna_system::cpu_seconds().unwrap_or(0.0));
+        let clock = Stopwatch::start();
         let result = stage();
-        self.records.push(StageRecord {
-            name: name.to_owned(),
-            seconds: start.elapsed().as_secs_f64(),
-            cpu_seconds: lacuna_system::cpu_seconds().unwrap_or(0.0) - cpu,
-            peak_rss_bytes: lacuna_system::peak_rss_bytes().unwrap_or(0),
-        });
+        self.records.push(clock.stop(name));
         result
+    }
+}
+
+/// Wall-clock and processor time since a stage began.
+#[derive(Clone, Copy)]
+pub(crate) struct Stopwatch {
+    start: Instant,
+    cpu_seconds: f64,
+}
+
+impl Stopwatch {
+    pub(crate) fn start() -> Self {
+        Self { start: Instant::now(), cpu_seconds: lacuna_system::cpu_seconds().unwrap_or(0.0) }
+    }
+
+    /// The record of the stage that ends now.
+    pub(crate) fn stop(self, name: &str) -> StageRecord {
+        StageRecord {
+            name: name.to_owned(),
+            seconds: self.start.elapsed().as_secs_f64(),
+            cpu_seconds: lacuna_system::cpu_seconds().unwrap_or(0.0) - self.cpu_seconds,
+            peak_rss_bytes: lacuna_system::peak_rss_bytes().unwrap_or(0),
+        }
     }
 }

@@ -6,6 +6,7 @@ mod context;
 mod error;
 mod field;
 mod frames;
+mod hollow;
 mod info;
 mod kept;
 mod manifest;

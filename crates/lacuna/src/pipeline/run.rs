@@ -2,11 +2,10 @@
 
 use super::RunError;
 use super::area::area;
-use super::assemble::{
-    HoleOutcome, cluster_records, drawing, hole_records, outcomes, scene_record, seam_record,
-};
-use super::context::{Context, Stages};
+use super::assemble::{cluster_records, drawing, hole_records, outcomes, scene_record, seam_record};
+use super::context::{Context, Stages, Stopwatch};
 use super::frames::{Frames, SeamFacts};
+use super::hollow::hollow_tiles;
 use super::manifest::{InputFile, MANIFEST, Manifest, write_whole};
 use super::names::Names;
 use super::out_dir::{self, OutDir};
@@ -20,12 +19,12 @@ use crate::ExitCode;
 use crate::Interrupt;
 use crate::config::{FailOn, Settings};
 use crate::progress::Progress;
-use crate::report::{Drawing, Execution, Outcome, REPORT_VERSION, Report, Summary};
+use crate::report::{DefectRecord, Drawing, Execution, Outcome, REPORT_VERSION, Report, Summary};
 use glam::DVec2;
 use lacuna_close::Curves;
-use lacuna_grid::{CellId, Side};
+use lacuna_grid::CellId;
 use lacuna_hole::{ClusterRule, Plan, PlanOptions, fit_borders, plan};
-use lacuna_tile::{Scene, SceneError, SceneOptions, hollow_tile_path, open_scene};
+use lacuna_tile::{Scene, SceneError, SceneOptions, TileFormat, open_scene};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::UNIX_EPOCH;
@@ -76,11 +75,12 @@ pub fn inspect(
         }
     }
     let (fills, curves) = (Fills::new(), Curves::default());
-    let mut result = finish(&planned, &fills, &curves, &BTreeMap::new(), stages, &context);
+    let clock = Stopwatch::start();
+    let mut result = finish(&planned, &fills, &curves, &Written::default(), stages, &context);
     result.drawing.after = None;
     if let Some(folder) = report {
         std::fs::create_dir_all(folder).map_err(|e| out_dir::io_error("make", folder, &e))?;
-        write_report(&result, folder)?;
+        write_report(&mut result, folder, clock)?;
     }
     Ok(result)
 }
@@ -108,11 +108,17 @@ pub fn repair(
     let solved =
         stages.measure("fill", || context.interrupt.end_at_once_during(|| fill(&planned, &context)))?;
     context.check_stop()?;
-    let (written, refused) =
-        stages.measure("write", || write_all(&planned, &solved.fills, &out, &context))?;
-    let result = finish(&planned, &solved.fills, &solved.curves, &refused, stages, &context);
+    let mut manifest = start_manifest(&planned, &context);
+    let written =
+        stages.measure("write", || write_all(&planned, &solved.fills, &out, &mut manifest, &context))?;
     context.check_stop()?;
-    write_run_files(&planned, written, &result, &out, &context)?;
+    let clock = Stopwatch::start();
+    let mut result = finish(&planned, &solved.fills, &solved.curves, &written, stages, &context);
+    write_plan(&planned, &out)?;
+    write_changed(&manifest, &out)?;
+    write_report(&mut result, &out.own, clock)?;
+    manifest.finished = true;
+    manifest.write(&out.own.join(MANIFEST))?;
     Ok(result)
 }
 
@@ -164,7 +170,7 @@ fn make_plan(scene: Scene, scanned: Scanned, context: &Context<'_>) -> Result<Pl
         area,
     };
     let plan = plan(&scanned.surveys, &options);
-    let hollow = hollow_tiles(&scene, &scanned, &plan);
+    let hollow = hollow_tiles(&scene, &scanned.tiles, plan.domains.keys());
     let hollow_names: BTreeMap<CellId, String> =
         hollow.iter().map(|(c, (_, path))| (*c, stem(path))).collect();
     let names = Names::new(&plan, &scanned.tiles, &hollow_names, srs_origin);
@@ -180,27 +186,6 @@ fn make_plan(scene: Scene, scanned: Scanned, context: &Context<'_>) -> Result<Pl
 fn stem(path: &str) -> String {
     let name = path.rsplit('/').next().unwrap_or(path);
     name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_owned()
-}
-
-/// A template and a path for the tile of every cell of the area without one: the 4-neighbour of lowest index that has
-/// a tile, else the nearest (decisions 6).
-fn hollow_tiles(scene: &Scene, scanned: &Scanned, plan: &Plan) -> BTreeMap<CellId, (CellId, String)> {
-    let mut hollow = BTreeMap::new();
-    for &cell in plan.domains.keys().filter(|c| !scanned.tiles.contains_key(c)) {
-        let mut beside: Vec<CellId> = Side::ALL.iter().map(|&s| cell.neighbour(s)).collect();
-        beside.sort_unstable();
-        let neighbour = beside.into_iter().find(|c| scanned.tiles.contains_key(c));
-        let distance = |c: &CellId| {
-            let (di, dj) = (i64::from(c.i - cell.i), i64::from(c.j - cell.j));
-            di * di + dj * dj
-        };
-        let nearest = || scanned.tiles.keys().copied().min_by_key(|c| (distance(c), *c));
-        if let Some(template) = neighbour.or_else(nearest) {
-            let group = &scene.groups[scanned.tiles[&template].group];
-            hollow.insert(cell, (template, hollow_tile_path(scene, (cell.i, cell.j), group)));
-        }
-    }
-    hollow
 }
 
 fn fill(planned: &Planned, context: &Context<'_>) -> Result<Solved, RunError> {
@@ -225,15 +210,26 @@ fn frames(planned: &Planned) -> Frames {
     Frames::new(&planned.scanned.tiles, &templates)
 }
 
-/// Writes all files. A tile that can't take its patches costs the clusters it touches: the others are written again
-/// without them, until what is written holds every cluster whole or not at all.
+/// What the write stage left, beside the manifest.
+#[derive(Default)]
+struct Written {
+    /// Cells whose tile could not take its patches, with the reason.
+    refused: BTreeMap<CellId, String>,
+    /// Files of the scene that OUT lacks.
+    missing: Vec<DefectRecord>,
+    /// Relative paths of the tiles that got a patch.
+    changed_tiles: Vec<String>,
+}
+
+/// Writes all files, and lists them in the manifest. A tile that can't take its patches costs the clusters it touches:
+/// the others are written again without them, until what is written holds every cluster whole or not at all.
 fn write_all(
     planned: &Planned,
     fills: &Fills,
     out: &OutDir,
+    manifest: &mut Manifest,
     context: &Context<'_>,
-) -> Result<(WrittenFiles, BTreeMap<CellId, String>), RunError> {
-    let mut manifest = start_manifest(planned, context)?;
+) -> Result<Written, RunError> {
     // Until the new list stands, the old one tells what is lacuna's in OUT.
     manifest.outputs = out.earlier.as_ref().map_or_else(Vec::new, |e| e.outputs.clone());
     manifest.write(&out.own.join(MANIFEST))?;
@@ -253,9 +249,18 @@ fn write_all(
             hollow: &planned.hollow,
         };
         let written = write(&input, context)?;
+        if let Some(file) = written.missing.first().filter(|_| context.settings.run.strict) {
+            return Err(RunError::failed(&file.what));
+        }
         if written.refused.is_empty() {
             remove_stale(out, &written)?;
-            return Ok((written, refused));
+            let tiles = written
+                .outputs
+                .iter()
+                .filter(|f| f.changed && TileFormat::from_path(f.path.as_ref()).is_some());
+            let changed_tiles = tiles.map(|f| f.path.clone()).collect();
+            manifest.outputs = written.outputs;
+            return Ok(Written { refused, missing: written.missing, changed_tiles });
         }
         // The tiles that this round did patch may belong to clusters that are dropped now.
         delete_changed(out, &written)?;
@@ -279,7 +284,7 @@ fn remove_stale(out: &OutDir, written: &WrittenFiles) -> Result<(), RunError> {
     stale.delete_listed(&out.root)
 }
 
-fn start_manifest(planned: &Planned, context: &Context<'_>) -> Result<Manifest, RunError> {
+fn start_manifest(planned: &Planned, context: &Context<'_>) -> Manifest {
     let untouched = format!("{:?}", context.settings.scene.untouched).to_lowercase();
     let mut manifest = Manifest::new(untouched);
     for part in planned.scanned.tiles.values().flat_map(|t| &t.parts) {
@@ -293,7 +298,7 @@ fn start_manifest(planned: &Planned, context: &Context<'_>) -> Result<Manifest, 
         });
     }
     manifest.inputs.sort_by(|a, b| a.path.cmp(&b.path));
-    Ok(manifest)
+    manifest
 }
 
 fn modified_ns(path: &Path) -> u64 {
@@ -307,13 +312,13 @@ fn finish(
     planned: &Planned,
     fills: &Fills,
     curves: &Curves,
-    refused: &BTreeMap<CellId, String>,
+    ending: &Written,
     stages: Stages,
     context: &Context<'_>,
 ) -> RunResult {
     let settings = context.settings;
     let plan = &planned.plan;
-    let outcomes = outcomes(plan, &planned.names, &planned.decisions, fills, refused);
+    let outcomes = outcomes(plan, &planned.names, &planned.decisions, fills, &ending.refused);
     let is_filled = |h: u32| outcomes[h as usize].outcome == Outcome::Filled;
     let seams = if curves.curves.is_empty() {
         SeamFacts::default()
@@ -335,9 +340,9 @@ fn finish(
         seams: seam_record(&seams),
         configuration: settings.to_json(),
         not_holes: not_holes(plan),
-        defects: planned.scanned.defects.clone(),
+        defects: defects(planned, ending),
         warnings: planned.scene.warnings.clone(),
-        changed_tiles: changed_tiles(planned, &outcomes),
+        changed_tiles: ending.changed_tiles.clone(),
         execution: Execution {
             command: std::env::args().collect(),
             scene: settings.scene.input.display().to_string(),
@@ -354,7 +359,7 @@ fn finish(
     let (before, after) = scene_rasters(&scanned.previews, &scanned.bounds, fills, &written);
     drawing.before = Some(before);
     drawing.after = Some(after);
-    let exit = exit_code(&report, settings.run.fail_on, !refused.is_empty());
+    let exit = exit_code(&report, settings.run.fail_on, !ending.refused.is_empty());
     RunResult { report, drawing, exit }
 }
 
@@ -370,22 +375,16 @@ fn not_holes(plan: &Plan) -> BTreeMap<String, u64> {
     counts
 }
 
-/// Relative paths of tiles that got a patch, those of hollow cells included.
-fn changed_tiles(planned: &Planned, outcomes: &[HoleOutcome]) -> Vec<String> {
-    let mut paths = BTreeSet::new();
-    for (hole, outcome) in planned.plan.holes.iter().zip(outcomes) {
-        if outcome.outcome != Outcome::Filled {
-            continue;
-        }
-        match planned.scanned.tiles.get(&hole.cell) {
-            Some(tile) => {
-                let relative = |p: &super::scan::Part| planned.scene.tiles[p.tile].relative.clone();
-                paths.extend(tile.parts.iter().map(relative));
-            }
-            None => paths.extend(planned.hollow.get(&hole.cell).map(|h| h.1.clone())),
+/// What is wrong with files of the scene; of a tile that neither scan nor copy could read, what the scan said.
+fn defects(planned: &Planned, ending: &Written) -> Vec<DefectRecord> {
+    let mut defects = planned.scanned.defects.clone();
+    for file in &ending.missing {
+        tracing::warn!("{}", file.what);
+        if !defects.iter().any(|d| d.unusable && d.tile == file.tile) {
+            defects.push(file.clone());
         }
     }
-    paths.into_iter().collect()
+    defects
 }
 
 fn exit_code(report: &Report, fail_on: FailOn, tile_refused: bool) -> ExitCode {
@@ -399,21 +398,14 @@ fn exit_code(report: &Report, fail_on: FailOn, tile_refused: bool) -> ExitCode {
     }
 }
 
-/// The plan, the list of changed tiles, and the manifest. The report's files are written after these.
-fn write_run_files(
-    planned: &Planned,
-    written: WrittenFiles,
-    result: &RunResult,
-    out: &OutDir,
-    context: &Context<'_>,
-) -> Result<(), RunError> {
+fn write_plan(planned: &Planned, out: &OutDir) -> Result<(), RunError> {
     let plan = serde_json::to_string_pretty(&planned.plan).map_err(|e| RunError::failed(e.to_string()))?;
-    write_whole(&out.own.join("plan.json"), plan.as_bytes())?;
-    let changed: String = result.report.changed_tiles.iter().map(|t| format!("{t}\n")).collect();
-    write_whole(&out.own.join("changed.txt"), changed.as_bytes())?;
-    let mut manifest = start_manifest(planned, context)?;
-    manifest.outputs = written.outputs;
-    manifest.finished = true;
-    write_report(result, &out.own)?;
-    manifest.write(&out.own.join(MANIFEST))
+    write_whole(&out.own.join("plan.json"), plan.as_bytes())
+}
+
+/// All that a copy of the scene needs from OUT: changed and new tiles, and new files beside them.
+fn write_changed(manifest: &Manifest, out: &OutDir) -> Result<(), RunError> {
+    let changed: String =
+        manifest.outputs.iter().filter(|f| f.changed).map(|f| format!("{}\n", f.path)).collect();
+    write_whole(&out.own.join("changed.txt"), changed.as_bytes())
 }

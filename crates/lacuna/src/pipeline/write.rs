@@ -6,8 +6,8 @@ use super::manifest::OutputFile;
 use super::names::Names;
 use super::scan::{CellTile, Part};
 use super::solve::{FilledHole, Fills};
-use crate::ExitCode;
 use crate::config::Untouched;
+use crate::report::DefectRecord;
 use glam::DVec3;
 use lacuna_close::Source;
 use lacuna_grid::CellId;
@@ -39,6 +39,8 @@ pub(crate) struct WriteInput<'a> {
 #[derive(Debug, Default)]
 pub(crate) struct WrittenFiles {
     pub(crate) outputs: Vec<OutputFile>,
+    /// Files of the scene that could not be copied, as the report names them.
+    pub(crate) missing: Vec<DefectRecord>,
     /// Cells whose tile could not take its patches, with the reason.
     pub(crate) refused: BTreeMap<CellId, String>,
 }
@@ -53,8 +55,8 @@ enum Task {
     Copy { relative: String, bytes: u64 },
 }
 
-/// Writes all files. An input/output error ends the run; a tile that can't take its patches is named, so that its
-/// clusters can be left whole.
+/// Writes all files. An error of the output ends the run; a file of the scene that can't be read any more is a record, and
+/// a tile that can't take its patches is named, so that its clusters can be left whole.
 pub(crate) fn write(input: &WriteInput<'_>, context: &Context<'_>) -> Result<WrittenFiles, RunError> {
     let tasks = tasks(input, context.settings.scene.untouched);
     let jobs: Vec<Job> =
@@ -89,24 +91,37 @@ pub(crate) fn write(input: &WriteInput<'_>, context: &Context<'_>) -> Result<Wri
     Ok(written)
 }
 
-/// Errors of the disk end the run; what a tile's format can't hold is that tile's failure.
+/// Errors of the output end the run; a file that can't be read, or a format that can't hold its patches, is that tile's
+/// failure.
 fn refuse(
     input: &WriteInput<'_>,
     task: &Task,
     error: &TileError,
     written: &mut WrittenFiles,
 ) -> Result<(), RunError> {
-    let cell = match task {
-        Task::Append { cell, .. } | Task::New { cell, .. } => *cell,
-        Task::Copy { .. } => {
-            return Err(RunError { exit: ExitCode::InputOutput, message: error.to_string() });
-        }
+    let scene = input.scene;
+    let (cell, source) = match task {
+        Task::Append { cell, part, .. } => (Some(*cell), &scene.tiles[part.tile].relative),
+        Task::New { cell, template, .. } => (Some(*cell), &scene.tiles[*template].relative),
+        Task::Copy { relative, .. } => (None, relative),
     };
-    if matches!(error, TileError::Io { .. } | TileError::InputChanged { .. }) {
-        return Err(RunError { exit: ExitCode::InputOutput, message: error.to_string() });
+    let is_of_input = error.path() == scene.root.join(source);
+    let problem = error.message_below(&scene.root);
+    match cell {
+        Some(cell) if is_of_input || !matches!(error, TileError::Io { .. }) => {
+            written.refused.insert(cell, problem);
+        }
+        None if is_of_input => written.missing.push(missing_file(scene, source, problem)),
+        _ => return Err(RunError::input_output(error.to_string())),
     }
-    written.refused.insert(cell, error.message_below(&input.scene.root));
     Ok(())
+}
+
+/// The record of a file that OUT lacks because it can't be read.
+fn missing_file(scene: &Scene, relative: &str, problem: String) -> DefectRecord {
+    let tile = scene.tiles.iter().find(|t| t.relative == relative);
+    let name = tile.map_or(relative, |t| &t.name);
+    DefectRecord { tile: name.to_owned(), what: problem, unusable: true }
 }
 
 fn tasks(input: &WriteInput<'_>, untouched: Untouched) -> Vec<Task> {
