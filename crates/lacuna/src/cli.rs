@@ -41,7 +41,7 @@ pub enum Command {
 /// How the program talks.
 #[derive(Debug, Clone, Default, Args)]
 pub struct OutputArgs {
-    /// Progress on stderr: bars on a terminal, else a line every 5 % or minute
+    /// Progress on stderr: bars on a terminal, else a line every 5 % (5 s apart) or minute
     #[arg(long, global = true, value_enum, default_value_t, value_name = "MODE")]
     pub progress: ProgressMode,
     /// Log lines as JSON

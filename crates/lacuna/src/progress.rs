@@ -8,7 +8,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Time after which a plain line is written even if less than 5 % were done.
-const PLAIN_PERIOD: Duration = Duration::from_secs(60);
+const LONGEST_SILENCE: Duration = Duration::from_secs(60);
+
+/// Time in which no second plain line is written, however much was done: logs of short runs stay short.
+const SHORTEST_SILENCE: Duration = Duration::from_secs(5);
 
 /// Handle on the display. Clones share it, and any thread may call it.
 #[derive(Clone)]
@@ -187,12 +190,12 @@ impl Stage {
         is_told.then(|| elapsed.mul_f64((1.0 - share) / share))
     }
 
-    /// A line at every twentieth of the work, after a minute without one, and at the end.
+    /// A line at the end, and on the way where one is due.
     fn line_if_due(&mut self, sink: &Mutex<Box<dyn Write + Send>>) {
         let twentieth = (self.share() * 20.0) as u64;
         let is_last = self.items >= self.total_items;
         let (last, when) = self.last_line;
-        if twentieth <= last && !is_last && when.elapsed() < PLAIN_PERIOD {
+        if !is_last && !is_due(twentieth > last, when.elapsed()) {
             return;
         }
         self.last_line = (twentieth, Instant::now());
@@ -210,6 +213,11 @@ impl Stage {
     }
 }
 
+/// A line is due at every twentieth of the work, but not soon after another, and after a long silence.
+fn is_due(is_further: bool, silence: Duration) -> bool {
+    silence >= LONGEST_SILENCE || (is_further && silence >= SHORTEST_SILENCE)
+}
+
 /// `m:ss`, from an hour on `h:mm:ss`.
 fn clock(time: Duration) -> String {
     let seconds = time.as_secs();
@@ -219,7 +227,7 @@ fn clock(time: Duration) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Progress, clock};
+    use super::{Progress, clock, is_due};
     use std::io::Write;
     use std::sync::{Arc, Mutex};
     use std::time::Duration;
@@ -239,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn plain_writes_a_line_for_every_twentieth() {
+    fn a_short_stage_is_one_plain_line() {
         let sink = Sink::default();
         let progress = Progress::plain(Box::new(sink.clone()));
         progress.start("scan", 1000, 0);
@@ -247,9 +255,21 @@ mod tests {
         progress.finish();
         let text = String::from_utf8(sink.0.lock().expect("no panic").clone()).expect("text");
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 20, "{text}");
-        assert!(lines[0].starts_with("scan 5% 50/1000 "), "{}", lines[0]);
-        assert!(lines[19].starts_with("scan 100% 1000/1000 "), "{}", lines[19]);
+        assert_eq!(lines.len(), 1, "{text}");
+        assert!(lines[0].starts_with("scan 100% 1000/1000 "), "{}", lines[0]);
+    }
+
+    #[test]
+    fn lines_of_a_long_stage_keep_their_distance() {
+        for (is_further, seconds, expected) in
+            [(true, 4, false), (true, 5, true), (false, 5, false), (false, 59, false), (false, 60, true)]
+        {
+            assert_eq!(
+                is_due(is_further, Duration::from_secs(seconds)),
+                expected,
+                "{is_further} {seconds} s"
+            );
+        }
     }
 
     #[test]
