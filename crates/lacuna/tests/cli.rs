@@ -279,7 +279,11 @@ fn a_selection_that_selects_nothing_says_so() {
     for flags in [["--at", "5000,5000"], ["--hole", "nonsense"], ["--cells", &list]] {
         let run = repair(&scene, &scene.beside("out"), &flags);
         assert!(run.stderr.contains(flags[0]), "{flags:?}: nothing is said: {}", run.stderr);
+        run.ends(2);
     }
+    repair(&scene, &scene.beside("out"), &["--cells", &list]).says("did you mean Tile_+00");
+    fs::write(&list, "Tile_+002_+000\nTile_+009_+009\n").expect("written");
+    repair(&scene, &scene.beside("out"), &["--cells", &list]).ends(2).says("Tile_+009_+009");
 }
 
 #[test]

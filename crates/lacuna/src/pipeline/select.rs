@@ -83,7 +83,7 @@ pub(crate) fn refuse_unmatched(
 fn unknown_tile(name: &str, tiles: &BTreeSet<&str>) -> String {
     let known: Vec<&str> = tiles.iter().copied().collect();
     let guess =
-        nearest(name, &known).map_or_else(String::new, |n| format!("; did you mean {}?", n.escape_debug()));
+        nearest(name, &known).map_or_else(String::new, |n| format!(" (did you mean {}?)", n.escape_debug()));
     format!("--cells: the scene has no tile {}{guess}", name.escape_debug())
 }
 
