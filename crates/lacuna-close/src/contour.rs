@@ -492,7 +492,7 @@ impl RingBuilder {
     /// Takes out vertices of others where the ring crosses itself.
     fn untangle(&mut self) {
         let places: Vec<DVec2> = self.vertices.iter().map(|v| v.position.truncate()).collect();
-        let left = untangle(&places, |v| self.sources[v] == Source::New);
+        let left = untangle(&places, |v| self.sources[v].is_new());
         if left.len() == places.len() {
             return;
         }

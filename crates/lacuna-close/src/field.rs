@@ -35,6 +35,9 @@ pub fn field(
     params: &FieldParams,
     solver: &dyn Solver,
 ) -> Result<ClusterField, FieldError> {
+    if parts.iter().any(|p| p.contour.contour.len() != p.triangulation.contour_vertices) {
+        return Err(FieldError::OtherContour);
+    }
     let ClusterRegion { region, new, joints } = cluster_region(surveys, plan, parts);
     let HeightField { heights_m, outlier_share, tension_steps, smoothing_edges } =
         height_field(&region, params, solver)?;

@@ -70,6 +70,9 @@ pub enum FieldError {
     /// The linear system could not be solved.
     #[error(transparent)]
     Solve(#[from] SolveError),
+    /// Rounded to its tile's numbers a contour has other vertices than with exact ones.
+    #[error("the tile's number type is too coarse for the contour")]
+    OtherContour,
     /// A part of the region hangs on no height.
     #[error("a part of the hole has no surface round it")]
     NoData,

@@ -12,6 +12,8 @@ use lacuna_mesh::{Contour, Patch};
 /// A patch without heights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Triangulation {
+    /// Number of the contour's vertices.
+    pub contour_vertices: usize,
     /// Places of the new vertices, metres.
     pub vertices: Vec<DVec2>,
     /// Triangles numbered as in a [`Patch`], counter-clockwise from above but for the pockets.
@@ -46,7 +48,7 @@ pub fn triangulate_in_plan(contour: &Contour, params: &FillParams) -> Result<Tri
         let world = |p: &DVec2| frame.world(p.extend(0.0)).truncate();
         let vertices = mesh.points[mesh.fixed..].iter().map(world).collect();
         let (triangles, vertical) = with_pockets(mesh.topology.triangles(), &plan.pockets);
-        Ok(Triangulation { vertices, triangles, vertical })
+        Ok(Triangulation { contour_vertices: contour.len(), vertices, triangles, vertical })
     };
     triangulate().map_err(|e: FillError| e.with_place(contour))
 }
@@ -54,12 +56,18 @@ pub fn triangulate_in_plan(contour: &Contour, params: &FillParams) -> Result<Tri
 /// Gives a triangulation of `contour` the heights of its new vertices, metres, and checks the patch.
 ///
 /// # Errors
-/// [`FillError::Malformed`] if there are more or fewer heights than new vertices, [`FillError::CheckFailed`].
+/// [`FillError::Malformed`] if the contour has more or fewer vertices than the triangulated one, or there are more or fewer
+/// heights than new vertices; [`FillError::CheckFailed`].
 pub fn raise(
     contour: &Contour,
     triangulation: &Triangulation,
     heights_m: &[f64],
 ) -> Result<Filled, FillError> {
+    if contour.len() != triangulation.contour_vertices {
+        return Err(FillError::Malformed {
+            what: "the contour is not the one that was triangulated".to_owned(),
+        });
+    }
     if heights_m.len() != triangulation.vertices.len() {
         return Err(FillError::Malformed {
             what: "heights and new vertices are not the same number".to_owned(),

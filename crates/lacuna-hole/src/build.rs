@@ -16,7 +16,6 @@ use crate::shared::{CellView, SidePiece, share};
 use crate::survey::survey_loop;
 use crate::walk::{RawPiece, Walked, walk};
 use crate::{CellSurvey, HoleClass, NotHole, Surveys};
-use glam::DVec2;
 use lacuna_grid::{AreaLimit, CellId, Domain, Side};
 use lacuna_mesh::{PointId, signed_area};
 use std::collections::BTreeMap;
