@@ -15,7 +15,7 @@ pub enum ExitCode {
     Finished = 3,
     /// Input or output: unreadable scene, full disk.
     InputOutput = 4,
-    /// The memory limit is too small for a cell; said before the run starts.
+    /// The memory limit is too small for a tile, or for what is kept of all; said before a tile is written.
     MemoryTooSmall = 5,
     /// Another run holds the output folder.
     Busy = 75,
