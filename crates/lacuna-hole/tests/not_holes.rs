@@ -3,7 +3,7 @@
 mod kit;
 
 use glam::{DVec2, DVec3};
-use kit::{CELL_M, Scene, append, block, cut, lattice, lines, sheet, tube};
+use kit::{CELL_M, Scene, append, block, cut, lattice, lines, open_slit, sheet, tube};
 use lacuna_grid::{CellId, Grid};
 use lacuna_hole::{BorderMode, NotHole};
 use lacuna_mesh::TriMesh;
@@ -70,30 +70,6 @@ fn a_crack_of_a_decimetre_is_a_hole() {
     let plan = scene.plan().plan;
     assert_eq!(plan.holes.len(), 1);
     assert_eq!(plan.holes[0].class.to_string(), "closed");
-}
-
-/// Doubles the vertices near (10..14, 11) and moves the upper triangles' ones up.
-fn open_slit(mesh: &mut TriMesh, width_m: f64) {
-    let is_on_slit = |p: DVec3| (p.y - 11.0).abs() < 0.45 && (9.5..14.5).contains(&p.x);
-    let mut doubles: BTreeMap<u32, u32> = BTreeMap::new();
-    for t in 0..mesh.triangles.len() {
-        let corners = mesh.corners(t);
-        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let above = corners.iter().any(|p| p.y > 11.5);
-        if !above || !(8.0..16.0).contains(&middle.x) {
-            continue;
-        }
-        for k in 0..3 {
-            let v = mesh.triangles[t][k];
-            if is_on_slit(mesh.positions[v as usize]) && (v as usize) < 81 {
-                let new = *doubles.entry(v).or_insert_with(|| {
-                    mesh.positions.push(mesh.positions[v as usize] + DVec3::Y * width_m);
-                    mesh.positions.len() as u32 - 1
-                });
-                mesh.triangles[t][k] = new;
-            }
-        }
-    }
 }
 
 /// One cell of two sub-blocks that overlap by 0.1 m, each with a lattice of its own, in a ring of full cells. Quads that

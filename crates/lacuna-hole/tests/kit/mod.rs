@@ -10,7 +10,7 @@ mod summary;
 pub(crate) use lattice::{Step, lattice, lattice_of};
 pub(crate) use motion::Motion;
 pub(crate) use scene::{Limit, Planned, Scene, append};
-pub(crate) use sheet::{block, scatter, sheet, tube};
+pub(crate) use sheet::{block, open_slit, scatter, sheet, tube};
 pub(crate) use summary::{Line, assert_same, lines, signature};
 
 /// Side of a cell, metres; also the number of its lattice quads, so that a quad is one metre.

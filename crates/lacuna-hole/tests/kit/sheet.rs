@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use lacuna_mesh::TriMesh;
+use std::collections::BTreeMap;
 
 /// A number in [-1, 1) that depends on three others alone.
 pub(crate) fn scatter(a: i32, b: i32, salt: u64) -> f64 {
@@ -46,4 +47,28 @@ pub(crate) fn tube(ring: &[DVec3], depth_m: f64) -> TriMesh {
         [[k, next, n + next], [k, n + next, n + k]]
     });
     TriMesh { positions, triangles: triangles.collect() }
+}
+
+/// Opens a slit in the middle cell of a lattice of 3 x 3: doubles the vertices near (10..14, 11) and moves the upper triangles' ones up.
+pub(crate) fn open_slit(mesh: &mut TriMesh, width_m: f64) {
+    let is_on_slit = |p: DVec3| (p.y - 11.0).abs() < 0.45 && (9.5..14.5).contains(&p.x);
+    let mut doubles: BTreeMap<u32, u32> = BTreeMap::new();
+    for t in 0..mesh.triangles.len() {
+        let corners = mesh.corners(t);
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let above = corners.iter().any(|p| p.y > 11.5);
+        if !above || !(8.0..16.0).contains(&middle.x) {
+            continue;
+        }
+        for k in 0..3 {
+            let v = mesh.triangles[t][k];
+            if is_on_slit(mesh.positions[v as usize]) && (v as usize) < 81 {
+                let new = *doubles.entry(v).or_insert_with(|| {
+                    mesh.positions.push(mesh.positions[v as usize] + DVec3::Y * width_m);
+                    mesh.positions.len() as u32 - 1
+                });
+                mesh.triangles[t][k] = new;
+            }
+        }
+    }
 }
