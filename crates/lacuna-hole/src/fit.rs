@@ -4,6 +4,7 @@ use crate::{CellSurvey, Surveys};
 use glam::DVec3;
 use lacuna_grid::{Area, AreaLimit, Domain, Grid, Side};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// How tiles are cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -46,6 +47,9 @@ impl BorderFit {
 
 /// Width of a histogram bin for the margin, metres.
 const BIN_M: f64 = 0.0005;
+
+/// Edges within this many median edges of the outermost one at their place are outline, too.
+const SAME_EDGES: f64 = 0.5;
 
 /// Bins up to a margin of 500 m.
 const MOST_BINS: usize = 1_000_000;
@@ -95,24 +99,37 @@ pub fn fit_borders(surveys: &Surveys, grid: &Grid) -> BorderFit {
     }
 }
 
-/// (signed offset of the middle, length) of every boundary edge that runs along a side of its cell near to it.
+/// (signed offset of the middle, length) of every boundary edge that runs along a side of its cell near to it, on the
+/// tile's outline: far rims of holes beside the border run the same way, but surface lies farther out.
 fn offsets_near_sides(surveys: &Surveys, grid: &Grid) -> Vec<(f64, f64)> {
     let mut offsets = Vec::new();
     for survey in surveys.values() {
         let area = Area { cells: [survey.cell].into(), limit: AreaLimit::Cells };
         let domain = Domain::new(grid, &area, survey.cell, 0.0);
         let near = (3.0 * survey.median_edge_m).min(0.05 * grid.cell_size_m);
+        let bin_m = survey.median_edge_m.max(1e-6);
+        let mut found = Vec::new();
         for index in 0..survey.boundary.edges.len() as u32 {
             let (a, b) = (survey.from(index), survey.to(index));
-            if let Some(offset) = offset_along_side(&domain, a, b, near) {
-                offsets.push((offset, a.truncate().distance(b.truncate())));
+            if let Some((side, offset)) = offset_along_side(&domain, a, b, near) {
+                let along = side.along((a + b).truncate() / 2.0);
+                let bin = (side.index(), (along / bin_m).floor() as i64);
+                found.push((bin, offset, a.truncate().distance(b.truncate())));
             }
         }
+        let mut outermost: BTreeMap<(usize, i64), f64> = BTreeMap::new();
+        for &(bin, offset, _) in &found {
+            let most = outermost.entry(bin).or_insert(offset);
+            *most = most.max(offset);
+        }
+        let on_outline =
+            found.iter().filter(|(bin, offset, _)| *offset >= outermost[bin] - SAME_EDGES * bin_m);
+        offsets.extend(on_outline.map(|&(_, offset, length)| (offset, length)));
     }
     offsets
 }
 
-fn offset_along_side(domain: &Domain, a: DVec3, b: DVec3, near: f64) -> Option<f64> {
+fn offset_along_side(domain: &Domain, a: DVec3, b: DVec3, near: f64) -> Option<(Side, f64)> {
     let (a, b) = (a.truncate(), b.truncate());
     let direction = (b - a).normalize_or_zero();
     // Walking the outline with the mesh on the right runs clockwise round the cell.
@@ -120,7 +137,7 @@ fn offset_along_side(domain: &Domain, a: DVec3, b: DVec3, near: f64) -> Option<f
         let clockwise = side.outward().perp() * -1.0;
         let offsets = [domain.outside_m(side, a), domain.outside_m(side, b)];
         let along = direction.dot(clockwise) >= 0.9 && offsets.iter().all(|o| o.abs() <= near);
-        along.then(|| (offsets[0] + offsets[1]) / 2.0)
+        along.then(|| (side, (offsets[0] + offsets[1]) / 2.0))
     })
 }
 

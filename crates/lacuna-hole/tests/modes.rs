@@ -226,3 +226,20 @@ fn ragged_borders_adopt_the_neighbours_edges() {
     assert!((36..120).contains(&adopted), "{adopted}");
     assert_eq!(plan.holes[0].leave, None);
 }
+
+#[test]
+fn small_holes_beside_the_borders_do_not_make_an_exact_tile_ragged() {
+    // Of the second row of quads from each side every other one is out: half of what runs along a side is far rim.
+    let count = 80;
+    let tile = |i: i32| {
+        let step = |k: i32| CELL_M * f64::from(k) / f64::from(count);
+        let xs: Vec<f64> = (0..=count).map(|k| f64::from(i) * CELL_M + step(k)).collect();
+        let rows: Vec<(f64, f64)> = (0..=count).map(|k| (step(k), 5.0)).collect();
+        let is_second = |k: usize| k == 1 || k == count as usize - 2;
+        block(&xs, &rows, |c, r| !((is_second(c) || is_second(r)) && (c + r) % 2 == 0))
+    };
+    let tiles = (0..2).map(|i| (CellId::new(i, 0), tile(i))).collect();
+    let plan = Scene::new(Grid { origin: DVec2::ZERO, cell_size_m: CELL_M }, tiles).plan().plan;
+    assert_eq!(plan.fit.mode, BorderMode::Exact, "{:?}", plan.fit);
+    assert!(plan.holes.iter().any(|h| h.class == HoleClass::Closed));
+}
