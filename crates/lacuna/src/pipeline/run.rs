@@ -105,8 +105,7 @@ pub fn repair(
     let out = out_dir::take(&settings.scene.input, out)?;
     refuse_partial_rerun(settings, &out)?;
     let planned = scan_and_plan(&context, &mut stages)?;
-    let solved =
-        stages.measure("fill", || context.interrupt.end_at_once_during(|| fill(&planned, &context)))?;
+    let solved = context.interrupt.end_at_once_during(|| fill(&planned, &context, &mut stages))?;
     context.check_stop()?;
     let mut manifest = start_manifest(&planned, &context);
     let written =
@@ -188,7 +187,7 @@ fn stem(path: &str) -> String {
     name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_owned()
 }
 
-fn fill(planned: &Planned, context: &Context<'_>) -> Result<Solved, RunError> {
+fn fill(planned: &Planned, context: &Context<'_>, stages: &mut Stages) -> Result<Solved, RunError> {
     let todo: BTreeSet<u32> = planned
         .plan
         .clusters
@@ -202,7 +201,7 @@ fn fill(planned: &Planned, context: &Context<'_>) -> Result<Solved, RunError> {
         fill_settings(&planned.plan, cluster, context.settings, &planned.places)
     };
     let frames = frames(planned);
-    solve(&planned.scanned.surveys, &planned.plan, &frames, &todo, &settings_of, context)
+    solve(&planned.scanned.surveys, &planned.plan, &frames, &todo, &settings_of, context, stages)
 }
 
 fn frames(planned: &Planned) -> Frames {

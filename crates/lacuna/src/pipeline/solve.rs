@@ -1,7 +1,7 @@
 //! Fill: contours of all holes in work, patches layer by layer, borders smoothed, touched cells filled again.
 
 use super::RunError;
-use super::context::{Context, StageKind};
+use super::context::{Context, StageKind, Stages};
 use super::field::{Fields, solve_fields};
 use super::frames::Frames;
 use crate::config::{ClosedFiller, FillSettings, MethodName, OpenFiller};
@@ -54,7 +54,7 @@ const GROWTH: f64 = 0.3;
 
 /// Closes and fills all holes of `todo` (hole numbers).
 ///
-/// Steps: curves from the rims, layer by layer; the fields of the clusters that use them, which raise their curves and
+/// Steps: curves from the rims, layer by layer, and the fields of the clusters that use them, which raise their curves and
 /// patches; patches, a barrier after every layer; then the curves between holes of one layer that no field raised are
 /// smoothed towards the patches on both sides and the cells they touch are filled again.
 pub(crate) fn solve(
@@ -64,11 +64,8 @@ pub(crate) fn solve(
     todo: &BTreeSet<u32>,
     settings_of: &(dyn Fn(u32) -> FillSettings + Sync),
     context: &Context<'_>,
+    stages: &mut Stages,
 ) -> Result<Solved, RunError> {
-    let options = |growth| LayeredOptions { growth, spacing_m: context.settings.fill.spacing_m };
-    let growth = if context.settings.fill.method == MethodName::Field { GROWTH } else { 0.0 };
-    let mut curves = project(surveys, plan, &options(growth));
-    frames.round_curves(plan, &mut curves);
     context.progress.start(StageKind::Fill, todo.len() as u64, todo.len() as u64);
     let mut filler = HoleFiller {
         surveys,
@@ -82,23 +79,10 @@ pub(crate) fn solve(
     };
     let kept = todo.iter().map(|&h| filler.patch_bytes(h)).fold(0, u64::saturating_add);
     filler.budget = context.budget_beside(kept);
-    filler.fields = solve_fields(&filler, todo, &mut curves)?;
-    frames.round_curves(plan, &mut curves);
-    let mut fills = Fills::new();
-    for layer in layers_of(plan, todo) {
-        let holes: BTreeSet<u32> =
-            todo.iter().copied().filter(|&h| plan.holes[h as usize].layer == layer).collect();
-        fills.extend(filler.fill_all(&holes, &curves)?);
-    }
-    let moved = smooth_seams(plan, &mut curves, &fills);
-    frames.round_curves(plan, &mut curves);
-    let again: BTreeSet<u32> = moved
-        .iter()
-        .flat_map(|&c| plan.curves[c as usize].holes.iter().copied())
-        .filter(|h| matches!(fills.get(h), Some(Ok(_))))
-        .collect();
-    context.progress.start(StageKind::Seams, again.len() as u64, again.len() as u64);
-    fills.extend(filler.fill_all(&again, &curves)?);
+    let (mut curves, fields) = stages.measure("close", || filler.close(todo))?;
+    filler.fields = fields;
+    let mut fills = stages.measure("fill", || filler.fill_layers(todo, &curves))?;
+    stages.measure("seams", || filler.smooth(&mut curves, &mut fills))?;
     Ok(Solved { fills, curves })
 }
 
@@ -121,6 +105,41 @@ pub(crate) struct HoleFiller<'a> {
 }
 
 impl HoleFiller<'_> {
+    /// Curves with their heights, and what the clusters' fields give to the holes.
+    fn close(&self, todo: &BTreeSet<u32>) -> Result<(Curves, Fields), RunError> {
+        let settings = &self.context.settings.fill;
+        let growth = if settings.method == MethodName::Field { GROWTH } else { 0.0 };
+        let mut curves =
+            project(self.surveys, self.plan, &LayeredOptions { growth, spacing_m: settings.spacing_m });
+        self.frames.round_curves(self.plan, &mut curves);
+        let fields = solve_fields(self, todo, &mut curves)?;
+        self.frames.round_curves(self.plan, &mut curves);
+        Ok((curves, fields))
+    }
+
+    fn fill_layers(&self, todo: &BTreeSet<u32>, curves: &Curves) -> Result<Fills, RunError> {
+        let mut fills = Fills::new();
+        for layer in layers_of(self.plan, todo) {
+            let is_here = |h: &u32| self.plan.holes[*h as usize].layer == layer;
+            fills.extend(self.fill_all(&todo.iter().copied().filter(is_here).collect(), curves)?);
+        }
+        Ok(fills)
+    }
+
+    /// Smooths curves and fills again what they touch.
+    fn smooth(&self, curves: &mut Curves, fills: &mut Fills) -> Result<(), RunError> {
+        let moved = smooth_seams(self.plan, curves, fills);
+        self.frames.round_curves(self.plan, curves);
+        let again: BTreeSet<u32> = moved
+            .iter()
+            .flat_map(|&c| self.plan.curves[c as usize].holes.iter().copied())
+            .filter(|h| matches!(fills.get(h), Some(Ok(_))))
+            .collect();
+        self.context.progress.start(StageKind::Seams, again.len() as u64, again.len() as u64);
+        fills.extend(self.fill_all(&again, curves)?);
+        Ok(())
+    }
+
     /// Fills holes in parallel; each is a job of its own, largest first.
     fn fill_all(&self, holes: &BTreeSet<u32>, curves: &Curves) -> Result<Fills, RunError> {
         let holes: Vec<u32> = holes.iter().copied().collect();
@@ -178,7 +197,10 @@ impl HoleFiller<'_> {
         let settings = (self.settings_of)(hole);
         let edge_m = settings.spacing_m.unwrap_or_else(|| self.plan.fit.edge_m.max(1e-3));
         let rim = f64::from(record.rim_vertices) + record.perimeter_m / edge_m;
-        1.2 * record.area_m2.max(0.0) / (edge_m * edge_m) + 4.0 * rim
+        let inside = 1.2 * record.area_m2.max(0.0) / (edge_m * edge_m);
+        let is_graded = settings.method == MethodName::Field && settings.spacing_m.is_none();
+        // Where edges grow inwards a vertex of the rim brings two or three (measured), whatever the area.
+        if is_graded { inside.min(4.0 * rim) + 4.0 * rim } else { inside + 4.0 * rim }
     }
 
     fn fill_one(&self, hole: u32, curves: &Curves) -> Result<FilledHole, NotFilled> {
@@ -201,8 +223,13 @@ impl HoleFiller<'_> {
             } else {
                 MethodName::Layered
             },
-            instead_of_field: self.fields.refused.get(&hole).cloned(),
+            instead_of_field: self.instead_of_field(hole, filled.filler),
         })
+    }
+
+    /// Why a hole seen from above has no field though it should; other fillers need none.
+    fn instead_of_field(&self, hole: u32, filler: Filler) -> Option<String> {
+        self.fields.refused.get(&hole).filter(|_| filler == Filler::Delaunay).cloned()
     }
 
     /// The contour of a hole, with closing points as its tile stores them.
