@@ -3,8 +3,10 @@
 use crate::Curves;
 use crate::contour::{Source, closing_source};
 use crate::height_field::{FieldError, FieldParams, HeightField, height_field};
-use crate::region::{ClusterRegion, FieldPart, Joint, cluster_region};
+use crate::region::{ClusterRegion, FieldPart, Joint, cluster_region, rim_points};
+use crate::water::{Water, given_water, water};
 use lacuna_hole::{Plan, Surveys};
+use lacuna_mesh::PlaneFit;
 use lacuna_solve::Solver;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,9 +24,23 @@ pub struct ClusterField {
     pub tension_steps: u32,
     /// Smoothing length, rim edges.
     pub smoothing_edges: f64,
+    /// The water that the surface settles on.
+    pub water: Option<Water>,
 }
 
-/// Fits one surface over all parts of a cluster.
+/// Whether a cluster is water.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum WaterRule {
+    /// If its rim shows a level.
+    #[default]
+    Auto,
+    /// No.
+    Off,
+    /// Yes, at this height, metres.
+    Level(f64),
+}
+
+/// Fits one surface over all parts of a cluster; it settles on a level if the cluster is water.
 ///
 /// # Errors
 /// [`FieldError`]; the cluster can still be filled by `layered`.
@@ -33,12 +49,21 @@ pub fn field(
     plan: &Plan,
     parts: &[FieldPart<'_>],
     params: &FieldParams,
+    rule: WaterRule,
     solver: &dyn Solver,
 ) -> Result<ClusterField, FieldError> {
     if parts.iter().any(|p| p.contour.contour.len() != p.triangulation.contour_vertices) {
         return Err(FieldError::OtherContour);
     }
-    let ClusterRegion { region, new, joints } = cluster_region(surveys, plan, parts);
+    let ClusterRegion { mut region, new, joints } = cluster_region(surveys, plan, parts);
+    region.water = match rule {
+        WaterRule::Off => None,
+        WaterRule::Auto => water(&rim_points(parts), 2.0 * region.radius_m, region.edge_m),
+        WaterRule::Level(level_m) => {
+            let plane = PlaneFit { level_m, ..PlaneFit::default() };
+            Some(given_water(&rim_points(parts), plane))
+        }
+    };
     let HeightField { heights_m, outlier_share, tension_steps, smoothing_edges } =
         height_field(&region, params, solver)?;
     let height = |v: u32| heights_m.get(v as usize).copied();
@@ -50,6 +75,7 @@ pub fn field(
         outlier_share,
         tension_steps,
         smoothing_edges,
+        water: region.water,
     })
 }
 

@@ -1,6 +1,7 @@
 //! One surface over the whole hole of a cluster: a robust thin plate with tension (algorithms D.3).
 
 use crate::plate::Plate;
+use crate::water::Water;
 use glam::DVec2;
 use lacuna_mesh::{Clamp, Fans, PlaneFit, stiffness};
 use lacuna_solve::{Factor, SolveError, Solver, SparseSymmetric, Triplet};
@@ -19,6 +20,8 @@ pub struct Region {
     pub edge_m: f64,
     /// Radius of the largest disk that fits into the hole, about, metres.
     pub radius_m: f64,
+    /// The surface that the hole settles on, if it is water.
+    pub water: Option<Water>,
 }
 
 /// A known height.
@@ -103,13 +106,19 @@ const TENSION_STEPS: u32 = 6;
 /// Reach of the correction that joins the rim, rim edges.
 const REACH_EDGES: f64 = 3.0;
 
+/// Distance in which the surface settles on water, at least, rim edges.
+const SETTLING_EDGES: f64 = 3.0;
+/// Slope of banks that rise to the rim's spread within that distance.
+const BANK_SLOPE: f64 = 0.2;
+
 /// Fits the surface and joins it to the exact data.
 ///
 /// Minimises `sum of w m (z - d)^2 + l^4 (bending + tension * stretching)` over all places: m the lumped area, d the data,
 /// l the smoothing length; w starts as given and is reweighted by the residuals (Huber, then Tukey; scale from their
 /// median, never below the noise floor). Where data leave a residual on exact places, a correction that dies out within a
 /// few rim edges carries it: `(K + M / reach^2) c = 0` inside, c = residual on the rim. If the surface leaves the range of
-/// the data, tension is raised.
+/// the data, tension is raised. Over water every wanted place is drawn to its plane, `m (z - plane)^2 l^4 / d^4`: the
+/// surface leaves the rim with its slope and settles within d, about.
 ///
 /// # Errors
 /// [`FieldError::NoData`] if a part of the region hangs on no datum, [`FieldError::Solve`].
@@ -128,7 +137,14 @@ pub fn height_field(
         .zip(&region.places)
         .map(|(datum, &p)| datum.map(|d| Datum { height_m: d.height_m - trend.at(p), ..d }))
         .collect();
-    let mut fit = Fit::new(region, &plate, &data, params, solver)?;
+    let pull = region.water.map(|w| {
+        let settling_m = (SETTLING_EDGES * region.edge_m).max(w.spread_m / BANK_SLOPE);
+        Pull {
+            weight: settling_m.powi(-4),
+            heights: region.places.iter().map(|&p| w.plane.at(p) - trend.at(p)).collect(),
+        }
+    });
+    let mut fit = Fit::new(region, &plate, &data, pull, params, solver)?;
     let smoothing_edges = match params.smoothing_edges {
         Some(given) => given,
         None => fit.best_smoothing(region.edge_m)?,
@@ -161,10 +177,19 @@ fn check_data(region: &Region) -> Result<(), FieldError> {
     if reached.iter().all(|&r| r) { Ok(()) } else { Err(FieldError::NoData) }
 }
 
+/// What draws the wanted places to a water surface.
+struct Pull {
+    /// 1 / m4.
+    weight: f64,
+    /// Height of the water at each place, metres.
+    heights: Vec<f64>,
+}
+
 /// A fit in work.
 struct Fit<'a> {
     plate: &'a Plate<'a>,
     data: &'a [Option<Datum>],
+    pull: Option<Pull>,
     params: &'a FieldParams,
     /// Tension before it is raised, 1 / m2.
     tension: f64,
@@ -183,6 +208,7 @@ impl<'a> Fit<'a> {
         region: &Region,
         plate: &'a Plate<'a>,
         data: &'a [Option<Datum>],
+        pull: Option<Pull>,
         params: &'a FieldParams,
         solver: &dyn Solver,
     ) -> Result<Self, SolveError> {
@@ -190,10 +216,10 @@ impl<'a> Fit<'a> {
         let energy = plate.matrix(tension)?;
         let length4 = region.edge_m.powi(4);
         let robust = vec![1.0; data.len()];
-        let diagonal = diagonal(plate, data, &robust, length4);
+        let diagonal = diagonal(plate, data, pull.as_ref(), &robust, length4);
         let factor = solver.factor(&energy.plus_diagonal(&diagonal)?)?;
         let floor_m = params.noise_floor_edges * region.edge_m;
-        Ok(Self { plate, data, params, tension, length4, floor_m, energy, factor, robust })
+        Ok(Self { plate, data, pull, params, tension, length4, floor_m, energy, factor, robust })
     }
 
     fn set_smoothing(&mut self, length_m: f64) {
@@ -244,7 +270,8 @@ impl<'a> Fit<'a> {
                 self.refactor()?;
             }
             let z = self.solve_robust()?;
-            if step == TENSION_STEPS || self.is_in_range(&z) {
+            // Water may lie below all its banks.
+            if step == TENSION_STEPS || self.pull.is_some() || self.is_in_range(&z) {
                 return Ok((z, step));
             }
         }
@@ -262,15 +289,16 @@ impl<'a> Fit<'a> {
     }
 
     fn solve(&self) -> Result<Vec<f64>, SolveError> {
-        let diagonal = diagonal(self.plate, self.data, &self.robust, self.length4);
-        let height = |v: usize| self.data[v].map_or(0.0, |d| d.height_m);
+        let diagonal = diagonal(self.plate, self.data, self.pull.as_ref(), &self.robust, self.length4);
+        let of_water = |v: usize| self.pull.as_ref().map_or(0.0, |p| p.heights[v]);
+        let height = |v: usize| self.data[v].map_or_else(|| of_water(v), |d| d.height_m);
         let mut z: Vec<f64> = diagonal.iter().enumerate().map(|(v, w)| w * height(v)).collect();
         self.factor.solve(&mut z)?;
         Ok(z)
     }
 
     fn refactor(&mut self) -> Result<(), SolveError> {
-        let diagonal = diagonal(self.plate, self.data, &self.robust, self.length4);
+        let diagonal = diagonal(self.plate, self.data, self.pull.as_ref(), &self.robust, self.length4);
         self.factor.refactor(&self.energy.plus_diagonal(&diagonal)?)
     }
 
@@ -311,10 +339,17 @@ impl<'a> Fit<'a> {
     }
 }
 
-/// Weights of the data on the matrix's diagonal.
-fn diagonal(plate: &Plate<'_>, data: &[Option<Datum>], robust: &[f64], length4: f64) -> Vec<f64> {
-    let weight = |v: usize| data[v].map_or(0.0, |d| d.weight * robust[v] * plate.mass_m2[v] / length4);
-    (0..data.len()).map(weight).collect()
+/// Weights of data and water on the matrix's diagonal.
+fn diagonal(
+    plate: &Plate<'_>,
+    data: &[Option<Datum>],
+    pull: Option<&Pull>,
+    robust: &[f64],
+    length4: f64,
+) -> Vec<f64> {
+    let pulled = pull.map_or(0.0, |p| p.weight);
+    let weight = |v: usize| data[v].map_or(pulled, |d| d.weight * robust[v] / length4);
+    (0..data.len()).map(|v| weight(v) * plate.mass_m2[v]).collect()
 }
 
 /// Adds to the fitted surface what it misses on the exact data, fading out over a few rim edges.

@@ -14,10 +14,12 @@ mod profile;
 mod region;
 mod strip;
 mod untangle;
+mod water;
 
 pub use contour::{CellContour, CloseError, ClosingPoint, Source, contour};
 pub use curve::{BorderCurve, Curves};
-pub use field::{ClusterField, field, raise_curves};
+pub use field::{ClusterField, WaterRule, field, raise_curves};
 pub use height_field::{Datum, FieldError, FieldParams, HeightField, Region, height_field};
 pub use layered::{LayeredOptions, project};
 pub use region::{ClusterRegion, FieldPart, cluster_region};
+pub use water::{RimPoint, Water, given_water, water};

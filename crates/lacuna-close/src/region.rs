@@ -3,6 +3,7 @@
 
 use crate::contour::{CellContour, ClosingPoint, Source};
 use crate::height_field::{Datum, Region};
+use crate::water::RimPoint;
 use glam::{DVec2, DVec3};
 use lacuna_fill::Triangulation;
 use lacuna_grid::{CellId, CornerId};
@@ -249,20 +250,23 @@ fn is_calm([a, b, c]: [DVec3; 3], edge_m: f64) -> bool {
     normal.z > STEEP * normal.length() && longest <= SPIKE * edge_m
 }
 
-/// Lengths of all rim edges.
-fn rim_edges<'a>(parts: &'a [FieldPart<'_>]) -> impl Iterator<Item = f64> + 'a {
+/// The middles of all rim edges.
+pub(crate) fn rim_points(parts: &[FieldPart<'_>]) -> Vec<RimPoint> {
+    rim_edges(parts).map(|[a, b]| RimPoint { position: (a + b) / 2.0, length_m: a.distance(b) }).collect()
+}
+
+/// Ends of all rim edges.
+fn rim_edges<'a>(parts: &'a [FieldPart<'_>]) -> impl Iterator<Item = [DVec3; 2]> + 'a {
     parts.iter().flat_map(|part| part.contour.contour.rings()).flat_map(|ring| {
         let n = ring.vertices.len();
         let is_rim = move |&k: &usize| ring.edges[k].kind == EdgeKind::Rim;
-        (0..n)
-            .filter(is_rim)
-            .map(move |k| ring.vertices[k].position.distance(ring.vertices[(k + 1) % n].position))
+        (0..n).filter(is_rim).map(move |k| [k, (k + 1) % n].map(|k| ring.vertices[k].position))
     })
 }
 
 /// Median length of the rim edges.
 fn rim_edge(parts: &[FieldPart<'_>]) -> f64 {
-    let mut lengths: Vec<f64> = rim_edges(parts).collect();
+    let mut lengths: Vec<f64> = rim_edges(parts).map(|[a, b]| a.distance(b)).collect();
     if lengths.is_empty() {
         return 1.0;
     }
@@ -273,7 +277,7 @@ fn rim_edge(parts: &[FieldPart<'_>]) -> f64 {
 /// Radius of a disk with the hole's ratio of area to rim: half the width of a river, the radius of a round lake.
 fn radius(parts: &[FieldPart<'_>]) -> f64 {
     let area: f64 = parts.iter().map(|p| p.hole.area_m2).sum();
-    let rim: f64 = rim_edges(parts).sum();
+    let rim: f64 = rim_edges(parts).map(|[a, b]| a.distance(b)).sum();
     let by_rim = 2.0 * area / rim.max(1e-9);
     by_rim.min((area / std::f64::consts::PI).sqrt()).max(1e-6)
 }

@@ -192,7 +192,7 @@ fn errors_of_the_file_show_the_place() {
         ("no key at all", "(version: 1, 12)"),
         ("value on the next line", "(version: 1, find: (\n  max_perimeter_m:\n    \"9\",\n))"),
         ("key of another section", "(version: 1, fill: (min_area_m2: 0.5))"),
-        ("key of a later version", "(version: 1, water: (mode: auto))"),
+        ("key of a later version", "(version: 1, facade: (mode: auto))"),
         ("nothing like it", "(version: 1, run: (colour: \"red\"))"),
         ("unknown key of a region", "(version: 1, regions: [(name: \"a\", place: point(1, 2))])"),
         ("area in quotes", "(\n    version: 1,\n    find: (min_area_m2: \"5 m2\", max_area_m2: 3),\n)"),

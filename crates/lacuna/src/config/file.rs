@@ -5,7 +5,7 @@ use super::keys;
 use super::memory::MemoryLimit;
 use super::settings::{
     ClosedFiller, External, FailOn, HoleClassFilter, HoleShapeFilter, MethodName, OpenFiller, Untouched,
-    UpAxis,
+    UpAxis, WaterMode,
 };
 use ron::error::{Error, SpannedError};
 use ron::extensions::Extensions;
@@ -31,6 +31,8 @@ pub(crate) struct ConfigFile {
     pub(crate) find: FindSection,
     #[serde(default)]
     pub(crate) fill: FillSection,
+    #[serde(default)]
+    pub(crate) water: WaterSection,
     #[serde(default)]
     pub(crate) regions: Vec<RegionSection>,
 }
@@ -103,6 +105,14 @@ pub(crate) struct FillSection {
     pub(crate) spacing_m: Option<f64>,
 }
 
+/// `water`.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct WaterSection {
+    #[serde(deserialize_with = "finite_level")]
+    pub(crate) mode: Option<WaterMode>,
+}
+
 /// One of `regions`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -113,6 +123,8 @@ pub(crate) struct RegionSection {
     pub(crate) skip: Option<String>,
     #[serde(default)]
     pub(crate) fill: FillSection,
+    #[serde(default, deserialize_with = "finite_level")]
+    pub(crate) water: Option<WaterMode>,
 }
 
 /// `regions[..].at`.
@@ -155,6 +167,15 @@ fn built_method<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Met
     let method = Option::<MethodName>::deserialize(deserializer)?;
     match method {
         Some(MethodName::Aggregate) => Err(D::Error::custom("aggregate is not in this version; use field")),
+        other => Ok(other),
+    }
+}
+
+fn finite_level<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<WaterMode>, D::Error> {
+    match Option::<WaterMode>::deserialize(deserializer)? {
+        Some(WaterMode::Level(z)) if !z.is_finite() => {
+            Err(D::Error::custom("a level must be a finite number"))
+        }
         other => Ok(other),
     }
 }

@@ -17,6 +17,6 @@ pub use polygon::{Frame, PolygonFile};
 pub use settings::{
     AreaLimit, AreaSettings, ClosedFiller, External, FailOn, FillSettings, FindSettings, HoleClassFilter,
     HoleShapeFilter, MethodName, OpenFiller, ProgressMode, Region, RegionPlace, RunSettings, SceneSettings,
-    Selection, Settings, Untouched, UpAxis,
+    Selection, Settings, Untouched, UpAxis, WaterMode,
 };
 pub use values::AreaArgument;

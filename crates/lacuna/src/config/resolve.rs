@@ -64,7 +64,8 @@ impl Settings {
             Some(path) => (ConfigFile::read(path)?, path.parent().unwrap_or(Path::new("")).to_owned()),
             None => (ConfigFile::default(), PathBuf::new()),
         };
-        let fill = fill(&file.fill, FillSettings::default());
+        let base = FillSettings { water: file.water.mode.unwrap_or_default(), ..FillSettings::default() };
+        let fill = fill(&file.fill, base);
         let settings = Self {
             scene: scene(&file.scene, &arguments, &folder),
             area: AreaSettings {
@@ -247,6 +248,7 @@ fn fill(file: &FillSection, base: FillSettings) -> FillSettings {
         closed: file.closed.unwrap_or(base.closed),
         open: file.open.unwrap_or(base.open),
         spacing_m: file.spacing_m.or(base.spacing_m),
+        water: base.water,
     }
 }
 
@@ -260,6 +262,7 @@ fn fill_flags(flags: &FillArgs, base: FillSettings) -> Result<FillSettings, Conf
         closed: flags.closed.unwrap_or(base.closed),
         open: flags.open.unwrap_or(base.open),
         spacing_m: flags.spacing.or(base.spacing_m),
+        water: base.water,
     })
 }
 
@@ -276,7 +279,10 @@ fn regions(
                 name: section.name.clone(),
                 at: place(&section.at, folder)?,
                 skip: section.skip.clone(),
-                fill: fill_flags(flags, fill(&section.fill, base))?,
+                fill: fill_flags(
+                    flags,
+                    fill(&section.fill, FillSettings { water: section.water.unwrap_or(base.water), ..base }),
+                )?,
             })
         })
         .collect()

@@ -246,6 +246,19 @@ pub struct FindSettings {
     pub shape: Vec<HoleShapeFilter>,
 }
 
+/// How water is filled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WaterMode {
+    /// A level where the rim shows one.
+    #[default]
+    Auto,
+    /// As any other ground.
+    Off,
+    /// At this height, metres.
+    Level(f64),
+}
+
 /// How holes are filled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FillSettings {
@@ -257,6 +270,8 @@ pub struct FillSettings {
     pub open: OpenFiller,
     /// Triangle size; `None` = from the rim.
     pub spacing_m: Option<f64>,
+    /// Whether the surface settles on a level (method `field`).
+    pub water: WaterMode,
 }
 
 /// Where a region lies, in the frame of [`PolygonFile`] or scene coordinates.

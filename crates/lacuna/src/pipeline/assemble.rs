@@ -12,6 +12,7 @@ use crate::report::{
     HoleShape, Outcome, SceneRecord, SeamRecord,
 };
 use glam::DVec2;
+use lacuna_close::Water;
 use lacuna_grid::CellId;
 use lacuna_hole::{BorderMode, Plan};
 use lacuna_tile::Scene;
@@ -143,6 +144,7 @@ pub(crate) fn cluster_records(
     plan: &Plan,
     names: &Names,
     outcomes: &[HoleOutcome],
+    water: &BTreeMap<u32, Water>,
     srs_origin: DVec2,
 ) -> Vec<ClusterRecord> {
     plan.clusters
@@ -159,6 +161,7 @@ pub(crate) fn cluster_records(
                 .cloned()
                 .unwrap_or(HoleOutcome::new(Outcome::Filled, None));
             let place = cluster.centre + srs_origin;
+            let water = water.get(&(c as u32)).filter(|_| outcome.outcome == Outcome::Filled);
             ClusterRecord {
                 id: names.clusters[c].clone(),
                 x: place.x,
@@ -166,7 +169,8 @@ pub(crate) fn cluster_records(
                 tiles: tiles.into_iter().collect(),
                 area_m2: cluster.area_m2,
                 layers: cluster.layers,
-                level_m: None,
+                level_m: water.map(|w| w.plane.at(cluster.centre)),
+                level_residual_m: water.map(|w| w.residual_m),
                 outcome: outcome.outcome,
                 reason: outcome.reason,
             }

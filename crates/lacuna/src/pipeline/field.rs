@@ -2,8 +2,10 @@
 
 use super::RunError;
 use super::solve::{HoleFiller, fill_params};
-use crate::config::{ClosedFiller, FillSettings, MethodName};
-use lacuna_close::{CellContour, ClusterField, Curves, FieldParams, FieldPart, contour, field, raise_curves};
+use crate::config::{ClosedFiller, FillSettings, MethodName, WaterMode};
+use lacuna_close::{
+    CellContour, ClusterField, Curves, FieldParams, FieldPart, Water, WaterRule, contour, field, raise_curves,
+};
 use lacuna_fill::{Triangulation, triangulate_in_plan};
 use lacuna_hole::HoleClass;
 use lacuna_schedule::{Job, JobResult};
@@ -23,6 +25,8 @@ pub(crate) struct Fields {
     pub(crate) holes: BTreeMap<u32, RaisedHole>,
     /// Why a cluster has none, by hole number: it is left to `layered`.
     pub(crate) refused: BTreeMap<u32, String>,
+    /// The water of a cluster, by the cluster's number.
+    pub(crate) water: BTreeMap<u32, Water>,
 }
 
 /// Bytes a place in the region takes while its field is solved (measured; algorithms D.4 says 1.6 kB an unknown).
@@ -62,6 +66,8 @@ pub(crate) fn solve_fields(
         match result {
             Ok(mut fitted) => {
                 raise_curves(filler.plan, &fitted, curves);
+                let cluster = filler.plan.holes[holes[0] as usize].cluster;
+                fields.water.extend(fitted.water.map(|w| (cluster, w)));
                 for (h, new_m) in holes.into_iter().zip(std::mem::take(&mut fitted.new_m)) {
                     if let Some(triangulation) = triangulations.remove(&h) {
                         fields.holes.insert(h, RaisedHole { triangulation, new_m });
@@ -140,7 +146,12 @@ fn fit_one(
             Some(FieldPart { hole, contour, triangulation: triangulations.get(&h)? })
         })
         .collect();
-    field(filler.surveys, filler.plan, &parts, &FieldParams::default(), filler.solver)
+    let rule = match (filler.settings_of)(holes[0]).water {
+        WaterMode::Auto => WaterRule::Auto,
+        WaterMode::Off => WaterRule::Off,
+        WaterMode::Level(z) => WaterRule::Level(z),
+    };
+    field(filler.surveys, filler.plan, &parts, &FieldParams::default(), rule, filler.solver)
         .map_err(|e| e.to_string())
 }
 

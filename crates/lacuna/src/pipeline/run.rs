@@ -21,7 +21,6 @@ use crate::config::{FailOn, Settings};
 use crate::progress::Progress;
 use crate::report::{DefectRecord, Drawing, Execution, Outcome, REPORT_VERSION, Report, Summary};
 use glam::DVec2;
-use lacuna_close::Curves;
 use lacuna_grid::CellId;
 use lacuna_hole::{ClusterRule, Plan, PlanOptions, fit_borders, plan};
 use lacuna_tile::{Scene, SceneError, SceneOptions, TileFormat, open_scene};
@@ -74,9 +73,8 @@ pub fn inspect(
             *decision = Decision::Skip("inspected only".to_owned());
         }
     }
-    let (fills, curves) = (Fills::new(), Curves::default());
     let clock = Stopwatch::start();
-    let mut result = finish(&planned, &fills, &curves, &Written::default(), stages, &context);
+    let mut result = finish(&planned, &Solved::default(), &Written::default(), stages, &context);
     result.drawing.after = None;
     if let Some(folder) = report {
         std::fs::create_dir_all(folder).map_err(|e| out_dir::io_error("make", folder, &e))?;
@@ -112,7 +110,7 @@ pub fn repair(
         stages.measure("write", || write_all(&planned, &solved.fills, &out, &mut manifest, &context))?;
     context.check_stop()?;
     let clock = Stopwatch::start();
-    let mut result = finish(&planned, &solved.fills, &solved.curves, &written, stages, &context);
+    let mut result = finish(&planned, &solved, &written, stages, &context);
     write_plan(&planned, &out)?;
     write_changed(&manifest, &out)?;
     write_report(&mut result, &out.own, clock)?;
@@ -309,14 +307,14 @@ fn modified_ns(path: &Path) -> u64 {
 /// Makes the report and says how the process should end.
 fn finish(
     planned: &Planned,
-    fills: &Fills,
-    curves: &Curves,
+    solved: &Solved,
     ending: &Written,
     stages: Stages,
     context: &Context<'_>,
 ) -> RunResult {
     let settings = context.settings;
     let plan = &planned.plan;
+    let Solved { fills, curves, water } = solved;
     let outcomes = outcomes(plan, &planned.names, &planned.decisions, fills, &ending.refused);
     let is_filled = |h: u32| outcomes[h as usize].outcome == Outcome::Filled;
     let seams = if curves.curves.is_empty() {
@@ -333,7 +331,7 @@ fn finish(
         memory_limit_bytes: settings.run.memory_limit_bytes,
         peak_rss_bytes: lacuna_system::peak_rss_bytes().unwrap_or(0),
         scene: scene_record(&planned.scene, &planned.scanned, plan, settings),
-        clusters: cluster_records(plan, &planned.names, &outcomes, planned.srs_origin),
+        clusters: cluster_records(plan, &planned.names, &outcomes, water, planned.srs_origin),
         summary: Summary::from_holes(&holes),
         holes,
         seams: seam_record(&seams),

@@ -6,7 +6,7 @@ use super::field::{Fields, solve_fields};
 use super::frames::Frames;
 use crate::config::{ClosedFiller, FillSettings, MethodName, OpenFiller};
 use glam::DVec3;
-use lacuna_close::{CellContour, Curves, LayeredOptions, Source, contour, project};
+use lacuna_close::{CellContour, Curves, LayeredOptions, Source, Water, contour, project};
 use lacuna_fill::{FillError, FillParams, Filled, Filler, FillerChoice, HeightRule, fill, raise};
 use lacuna_grid::CellId;
 use lacuna_hole::{Anchor, BorderMode, CurveKind, HoleClass, Plan, Surveys};
@@ -44,9 +44,12 @@ pub(crate) struct NotFilled {
 pub(crate) type Fills = BTreeMap<u32, Result<FilledHole, NotFilled>>;
 
 /// Patches, and the curves they stand on.
+#[derive(Default)]
 pub(crate) struct Solved {
     pub(crate) fills: Fills,
     pub(crate) curves: Curves,
+    /// The water of each cluster that has one, by the cluster's number.
+    pub(crate) water: BTreeMap<u32, Water>,
 }
 
 /// Growth of edge lengths with the distance from the rim, in methods that grade them.
@@ -83,7 +86,7 @@ pub(crate) fn solve(
     filler.fields = fields;
     let mut fills = stages.measure("fill", || filler.fill_layers(todo, &curves))?;
     stages.measure("seams", || filler.smooth(&mut curves, &mut fills))?;
-    Ok(Solved { fills, curves })
+    Ok(Solved { fills, curves, water: filler.fields.water })
 }
 
 fn layers_of(plan: &Plan, todo: &BTreeSet<u32>) -> BTreeSet<u32> {

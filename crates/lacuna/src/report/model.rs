@@ -150,6 +150,9 @@ pub struct ClusterRecord {
     /// Level of the water, where one was used.
     #[serde(with = "milli_option")]
     pub level_m: Option<f64>,
+    /// How far the rim lies from the level where it lies near it: root mean square.
+    #[serde(with = "milli_option", default)]
+    pub level_residual_m: Option<f64>,
     /// Filled in all tiles or in none.
     pub outcome: Outcome,
     /// Why it was skipped or failed.

@@ -86,6 +86,7 @@ fn settings_of(configuration: &Value) -> Option<Settings> {
             closed: get(fill, "closed")?,
             open: get(fill, "open")?,
             spacing_m: get(fill, "spacing_m")?,
+            water: get(fill, "water")?,
         },
         selection: Selection {
             regions: get(selection, "regions")?,
@@ -104,6 +105,7 @@ fn get<T: DeserializeOwned>(object: &Value, key: &str) -> Option<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::WaterMode;
 
     #[test]
     fn settings_come_back_from_the_report() {
@@ -113,6 +115,7 @@ mod tests {
         settings.area.limit = AreaLimit::Box;
         settings.selection.at = vec![[1.0, 2.0]];
         settings.fill.spacing_m = Some(0.75);
+        settings.fill.water = WaterMode::Level(-0.45);
         assert_eq!(settings_of(&settings.to_json()), Some(settings));
         assert_eq!(settings_of(&serde_json::json!({})), None);
     }

@@ -152,6 +152,7 @@ fn clusters(holes: &[HoleRecord]) -> Vec<ClusterRecord> {
             area_m2: hole.area_m2,
             layers: hole.layer,
             level_m: None,
+            level_residual_m: None,
             outcome: hole.outcome,
             reason: hole.reason.clone(),
         });
