@@ -51,6 +51,9 @@ const BIN_M: f64 = 0.0005;
 /// Edges within this many median edges of the outermost one at their place are outline, too.
 const SAME_EDGES: f64 = 0.5;
 
+/// What subtracting coordinates of a scene in f64 may lose, metres.
+const ROUNDING_M: f64 = 1e-8;
+
 /// Bins up to a margin of 500 m.
 const MOST_BINS: usize = 1_000_000;
 
@@ -157,7 +160,9 @@ fn overrun_peak(offsets: &[(f64, f64)], cell_size_m: f64) -> Option<f64> {
     }
     let (low, high) = (best as f64 * BIN_M, (best + 2) as f64 * BIN_M);
     let margin = median(offsets.iter().map(|o| o.0).filter(|o| (low..high).contains(o)).collect());
-    Some((margin * 1e4).round() / 1e4)
+    // A round number where it differs by no more than arithmetic does: else the line of the tiles as they store it.
+    let tidy = (margin * 1e4).round() / 1e4;
+    Some(if (tidy - margin).abs() < ROUNDING_M { tidy } else { margin })
 }
 
 fn share(offsets: &[(f64, f64)], holds: impl Fn(f64) -> bool) -> f64 {
