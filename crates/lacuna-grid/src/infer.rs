@@ -82,6 +82,12 @@ pub enum GridError {
 /// Largest cell number of a name, either sign.
 const LARGEST_INDEX: u32 = 1_000_000;
 
+/// True if a cell number of a name is one that a scene may have.
+#[must_use]
+pub fn is_near_index((i, j): (i32, i32)) -> bool {
+    i.unsigned_abs() <= LARGEST_INDEX && j.unsigned_abs() <= LARGEST_INDEX
+}
+
 /// Largest cell number of a box: places far from a grid's corner are many small cells out.
 const LARGEST_BOX_INDEX: u32 = 1 << 30;
 
@@ -217,7 +223,7 @@ fn steps_over_indices(tiles: &[&TileBox]) -> Vec<f64> {
         for line in lines.values_mut() {
             line.sort_by_key(|t| t.0);
             for pair in line.windows(2) {
-                let count = f64::from(pair[1].0 - pair[0].0);
+                let count = f64::from(pair[1].0) - f64::from(pair[0].0);
                 if count > 0.0 {
                     steps.extend([(pair[1].1 - pair[0].1) / count, (pair[1].2 - pair[0].2) / count]);
                 }

@@ -10,4 +10,4 @@ mod infer;
 pub use area::{Area, AreaLimit};
 pub use cell::{BorderId, CellId, CornerId, Grid, Side};
 pub use domain::{Domain, DomainSide, SideLabel};
-pub use infer::{GridError, GridHints, InferredGrid, TileBox, infer_grid};
+pub use infer::{GridError, GridHints, InferredGrid, TileBox, infer_grid, is_near_index};
