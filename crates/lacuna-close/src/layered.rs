@@ -31,7 +31,7 @@ struct Target {
 struct Projection<'a> {
     surveys: &'a Surveys,
     plan: &'a Plan,
-    options: &'a LayeredOptions,
+    options: &'a dyn Fn(u32) -> LayeredOptions,
     profiles: Vec<Option<Profile>>,
     curves: Curves,
 }
@@ -41,9 +41,10 @@ struct Projection<'a> {
 /// Steps, layer by layer: every hole of the layer projects its target vertices (rim and adopted vertices, then points of
 /// curves of lower layers) orthogonally on its open stretches; a new point takes the mean height of the centroids of the
 /// boundary triangles at the vertex; where two holes of one layer meet, the mean of both profiles holds. Then the grid
-/// corners: mean of the heights nearest to them on each side. Then points are spaced along every stretch.
+/// corners: mean of the heights nearest to them on each side. Then points are spaced along every stretch, as `options` say
+/// for its holes (all of one cluster).
 #[must_use]
-pub fn project(surveys: &Surveys, plan: &Plan, options: &LayeredOptions) -> Curves {
+pub fn project(surveys: &Surveys, plan: &Plan, options: &dyn Fn(u32) -> LayeredOptions) -> Curves {
     let count = plan.curves.len();
     let mut projection = Projection {
         surveys,
@@ -223,11 +224,16 @@ impl Projection<'_> {
         DVec2::ZERO
     }
 
+    fn options_of(&self, curve: &Curve) -> LayeredOptions {
+        (self.options)(curve.holes[0])
+    }
+
     /// Distance of points at the ends of a stretch, metres: the mean rim edge there; the scene's median edge where an end
     /// is bare.
     fn spacing(&self, curve: &Curve) -> f64 {
-        let largest_m = self.options.spacing_m.unwrap_or(f64::INFINITY);
-        if self.options.growth <= 0.0 && largest_m.is_finite() {
+        let options = self.options_of(curve);
+        let largest_m = options.spacing_m.unwrap_or(f64::INFINITY);
+        if options.growth <= 0.0 && largest_m.is_finite() {
             return largest_m;
         }
         let at = |anchor| match anchor {
@@ -251,8 +257,9 @@ impl Projection<'_> {
         let curve = &self.plan.curves[c as usize];
         let spacing_m = self.spacing(curve);
         let side = curve.border.side;
-        let largest_m = self.options.spacing_m.unwrap_or(LARGEST_EDGES * spacing_m);
-        let rule = Spacing { first_m: spacing_m, growth: self.options.growth, largest_m };
+        let options = self.options_of(curve);
+        let largest_m = options.spacing_m.unwrap_or(LARGEST_EDGES * spacing_m);
+        let rule = Spacing { first_m: spacing_m, growth: options.growth, largest_m };
         let Some(profile) = &self.profiles[c as usize] else { return };
         let [low, high] = self.corner_squares(curve);
         let mut along = rule.points(low.unwrap_or(curve.low_m), high.unwrap_or(curve.high_m));

@@ -129,7 +129,7 @@ fn overrunning_tiles_close_on_their_own_lines() {
         assert_eq!(planned.plan.fit.mode, BorderMode::Overrun, "{name}");
         assert_eq!(planned.plan.holes.len(), count, "{name}: {:?}", kit::lines(&planned.plan));
         let options = LayeredOptions { growth: 0.0, spacing_m: None };
-        let curves = project(&planned.surveys, &planned.plan, &options);
+        let curves = project(&planned.surveys, &planned.plan, &|_| options);
         for hole in &planned.plan.holes {
             let made = contour(&planned.surveys, &planned.plan, hole, &curves, &|p| p);
             let made = made.unwrap_or_else(|e| panic!("{name}, {}: {e}", hole.cell)).contour;
@@ -159,7 +159,7 @@ fn no_contour_where_nothing_is_known() {
     let scene = lattice(1, 1, 0.0, &[Step::Empty(0, 0)]);
     let planned = scene.plan();
     let options = LayeredOptions { growth: 0.0, spacing_m: None };
-    let curves = project(&planned.surveys, &planned.plan, &options);
+    let curves = project(&planned.surveys, &planned.plan, &|_| options);
     let made = contour(&planned.surveys, &planned.plan, &planned.plan.holes[0], &curves, &|p| p);
     assert!(made.is_err());
 }

@@ -179,7 +179,7 @@ fn spacing_follows_the_options() {
     let planned = scene.plan();
     let with = |growth: f64, spacing_m: Option<f64>| {
         let options = lacuna_close::LayeredOptions { growth, spacing_m };
-        lacuna_close::project(&planned.surveys, &planned.plan, &options)
+        lacuna_close::project(&planned.surveys, &planned.plan, &|_| options)
     };
     let counts =
         |curves: &lacuna_close::Curves| -> usize { curves.curves.iter().map(|c| c.inner.len()).sum() };

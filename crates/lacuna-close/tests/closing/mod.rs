@@ -25,7 +25,7 @@ pub(crate) struct Closing<'a> {
 pub(crate) fn close(scene: &Scene, growth: f64) -> Closing<'_> {
     let planned = scene.plan();
     let options = LayeredOptions { growth, spacing_m: None };
-    let curves = project(&planned.surveys, &planned.plan, &options);
+    let curves = project(&planned.surveys, &planned.plan, &|_| options);
     let build = |hole: &Hole| {
         contour(&planned.surveys, &planned.plan, hole, &curves, &|p| p)
             .unwrap_or_else(|e| panic!("{e}: {} {}", hole.cell, hole.class))
