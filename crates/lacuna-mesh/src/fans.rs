@@ -51,6 +51,12 @@ impl Fans {
         Self { starts, triangles: members }
     }
 
+    /// Memory of the lists, bytes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        (size_of::<u32>() * (self.starts.capacity() + self.triangles.capacity())) as u64
+    }
+
     /// Indices of the triangles at a vertex, ascending.
     #[must_use]
     pub fn of(&self, vertex: u32) -> &[u32] {

@@ -28,6 +28,7 @@ pub(crate) fn kept_bytes(survey: &CellSurvey) -> u64 {
         list_bytes(&survey.band.vertices),
         list_bytes(&survey.band.triangles),
         list_bytes(&survey.band.faces),
+        survey.fans.bytes() + 2 * LIST_BYTES,
     ]
     .into_iter()
     .sum()
