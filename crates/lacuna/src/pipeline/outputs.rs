@@ -19,6 +19,7 @@ pub(crate) fn write_report(result: &mut RunResult, folder: &Path, clock: Stopwat
     write_whole(&folder.join("report.html"), html.as_bytes())?;
     let stage = clock.stop("report");
     result.report.execution.seconds += stage.seconds;
+    result.report.peak_rss_bytes = result.report.peak_rss_bytes.max(stage.peak_rss_bytes);
     result.report.stages.push(stage);
     let json = result.report.to_json().map_err(|e| failed(&e))?;
     write_whole(&folder.join("report.json"), json.as_bytes())

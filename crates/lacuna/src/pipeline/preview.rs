@@ -28,8 +28,10 @@ pub(crate) fn scene_rasters(
 ) -> (HeightRaster, HeightRaster) {
     let mut before = HeightRaster::new(bounds, 0.0);
     for preview in previews {
-        let (positions, triangles) = surface_of(preview);
-        before.add_triangles(&positions, &triangles);
+        for row in 0..preview.size().1 {
+            let (positions, triangles) = surface_of(preview, row);
+            before.add_triangles(&positions, &triangles);
+        }
     }
     let mut after = before.clone();
     for hole in written {
@@ -41,26 +43,24 @@ pub(crate) fn scene_rasters(
     (before, after)
 }
 
-/// A preview as a surface of squares round its pixels' centres: squares of one height, so that nothing is lost at steps
-/// and nothing bridges a hole.
-fn surface_of(preview: &HeightRaster) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+/// A row of a preview as squares round its pixels' centres: squares of one height, so that nothing is lost at steps and
+/// nothing bridges a hole.
+fn surface_of(preview: &HeightRaster, row: usize) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let (width, height) = preview.size();
     let [west, south, east, north] = preview.rect();
     let (step_x, step_y) = ((east - west) / width as f64, (north - south) / height as f64);
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    for row in 0..height {
-        for column in 0..width {
-            let Some(z) = preview.height_at(column, row) else { continue };
-            let (x, y) = (west + column as f64 * step_x, north - row as f64 * step_y);
-            let first = positions.len() as u32;
-            positions.extend([
-                DVec3::new(x, y, z),
-                DVec3::new(x, y - step_y, z),
-                DVec3::new(x + step_x, y - step_y, z),
-                DVec3::new(x + step_x, y, z),
-            ]);
-            triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-        }
+    for column in 0..width {
+        let Some(z) = preview.height_at(column, row) else { continue };
+        let (x, y) = (west + column as f64 * step_x, north - row as f64 * step_y);
+        let first = positions.len() as u32;
+        positions.extend([
+            DVec3::new(x, y, z),
+            DVec3::new(x, y - step_y, z),
+            DVec3::new(x + step_x, y - step_y, z),
+            DVec3::new(x + step_x, y, z),
+        ]);
+        triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
     }
     (positions, triangles)
 }
