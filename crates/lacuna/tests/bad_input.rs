@@ -222,6 +222,47 @@ fn all_tiles_bad_is_a_failed_run() {
 }
 
 #[test]
+fn names_far_out_are_no_panic() {
+    let far = |path: &Path, name: &str| path.join(name).join(name).with_extension("ply");
+    let beside = |path: &Path, name: &str, bytes: &[u8]| {
+        let file = far(path, name);
+        fs::create_dir_all(file.parent().expect("a folder")).expect("made");
+        fs::write(file, bytes).expect("written");
+    };
+    for name in ["Tile_+2147483647_+000", "Tile_-2147483648_+001"] {
+        let scene = small().changed(|path| beside(path, name, b"ply cut off"));
+        repair(&scene, &scene.beside("out"), &[]).ends(3).says(name);
+    }
+    let scene = small().changed(|path| {
+        let good = fs::read(tile_of(path, BAD)).expect("a tile");
+        ["Tile_+2000000000_+000", "Tile_-2000000000_+000"].iter().for_each(|name| beside(path, name, &good));
+    });
+    repair(&scene, &scene.beside("out"), &[]).ends(2).says("too many cells out");
+}
+
+#[test]
+fn a_missing_scene_is_named_wherever_the_output_lies() {
+    let scene = small();
+    let (none, out) = (scene.beside("none"), scene.beside("out"));
+    lacuna(["repair".as_ref(), none.as_os_str(), out.as_os_str()])
+        .ends(4)
+        .says("none")
+        .says("check the path");
+    assert!(!out.exists());
+}
+
+#[test]
+fn an_area_beside_the_scene_and_dust_are_refused() {
+    let scene = small();
+    let file = scene.beside("elsewhere.geojson");
+    let ring = "[[9e5,9e5],[9.1e5,9e5],[9.1e5,9.1e5],[9e5,9e5]]";
+    fs::write(&file, format!(r#"{{"type":"Polygon","coordinates":[{ring}]}}"#)).expect("written");
+    let run = repair(&scene, &scene.beside("out"), &["--area", file.to_str().expect("UTF-8")]);
+    run.ends(2).says("elsewhere.geojson").says("do not touch the scene");
+    repair(&scene, &scene.beside("dust"), &["--spacing", "1e-9"]).ends(2).says("give at least");
+}
+
+#[test]
 fn scenes_that_are_none_are_refused() {
     type Spoil = fn(&Path);
     let cases: [(&str, Spoil, i32, &str, &str); 4] = [

@@ -287,6 +287,34 @@ fn a_selection_that_selects_nothing_says_so() {
 }
 
 #[test]
+fn a_region_without_a_hole_is_said() {
+    let scene = small();
+    let file = scene.beside("regions.ron");
+    let text = r#"(version: 1, regions: [(name: "basin", at: point(9000, 9000), skip: "open"), (name: "lake", at: point(150, 150), skip: "open")])"#;
+    fs::write(&file, text).expect("a file");
+    let run = repair(&scene, &scene.beside("out"), &["--config", file.to_str().expect("UTF-8")]);
+    run.ends(0).says("region basin: no hole lies in it");
+    assert!(!run.stderr.contains("region lake"), "{}", run.stderr);
+}
+
+#[test]
+fn an_unfinished_run_of_a_part_is_finished_by_the_same_command() {
+    let scene = small();
+    let (out, fresh) = (scene.beside("out"), scene.beside("fresh"));
+    for folder in [&out, &fresh] {
+        repair(&scene, folder, &["--at", "150,150"]).ends(0);
+    }
+    repair(&scene, &out, &["--at", "150,150"]).ends(2).says("holds an earlier run");
+    let manifest = out.join("lacuna/manifest.json");
+    let text = fs::read_to_string(&manifest).expect("a manifest");
+    let unfinished = text.replacen("\"finished\": true", "\"finished\": false", 1);
+    assert_ne!(text, unfinished, "the manifest says that it is finished");
+    fs::write(&manifest, unfinished).expect("written");
+    repair(&scene, &out, &["--at", "150,150"]).ends(0);
+    same_bytes(&digest(&fresh), &digest(&out), "finished and fresh");
+}
+
+#[test]
 fn a_configuration_file_does_what_flags_do() {
     let scene = small();
     let (by_file, by_flags) = (scene.beside("by_file"), scene.beside("by_flags"));

@@ -39,6 +39,21 @@ pub(crate) fn area(
             let high = points().fold(DVec2::NEG_INFINITY, |m, p| m.max(*p));
             let what = format!("{}: the box of its polygons", file.path.display());
             refuse_too_many_cells(grid, low, high, &what, "check that its coordinates are the scene's")?;
+            let meets = |c: &CellId| {
+                let (a, b) = grid.rectangle(*c);
+                a.cmple(high).all() && b.cmpge(low).all()
+            };
+            if !present.iter().any(meets) {
+                return Err(RunError::usage(format!(
+                    "{}: its polygons ({:.0},{:.0} to {:.0},{:.0}) do not touch the scene; check that its coordinates are \
+                     the scene's, or give the file a `crs`",
+                    file.path.display(),
+                    low.x,
+                    low.y,
+                    high.x,
+                    high.y
+                )));
+            }
             let cells = present.into_iter().chain(cells_inside(&polygons, grid, low, high)).collect();
             Ok(Area { cells, limit: GridLimit::Polygon(polygons.rings) })
         }

@@ -34,6 +34,13 @@ pub(crate) struct OutputFile {
     pub(crate) changed: bool,
 }
 
+impl OutputFile {
+    /// A file that the run is going to write.
+    pub(crate) fn coming(path: &str) -> Self {
+        Self { path: path.to_owned(), bytes: 0, blake3: String::new(), changed: true }
+    }
+}
+
 /// Written first with no outputs and `finished: false`, and again at the end.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Manifest {

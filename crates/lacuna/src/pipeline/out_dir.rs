@@ -76,6 +76,7 @@ fn holds_files(out: &Path) -> bool {
 }
 
 pub(crate) fn refuse_nesting(scene: &Path, out: &Path) -> Result<(), RunError> {
+    fs::metadata(scene).map_err(|e| io_error("open the scene", scene, &e))?;
     let scene_chain = ancestors(scene);
     let out_chain = ancestors(out);
     let (Some(scene_self), out_self) = (scene_chain.first(), identity(out)) else {

@@ -6,7 +6,7 @@ use super::assemble::{cluster_records, drawing, hole_records, outcomes, scene_re
 use super::context::{Context, Stages, Stopwatch};
 use super::frames::{Frames, SeamFacts};
 use super::hollow::hollow_tiles;
-use super::manifest::{InputFile, MANIFEST, Manifest, write_whole};
+use super::manifest::{InputFile, MANIFEST, Manifest, OutputFile, write_whole};
 use super::names::Names;
 use super::out_dir::{self, OutDir};
 use super::outputs::write_report;
@@ -119,9 +119,10 @@ pub fn repair(
     Ok(result)
 }
 
-/// A run of a part would leave out what an earlier run repaired elsewhere.
+/// A run of a part would leave out what an earlier, finished run repaired elsewhere.
 fn refuse_partial_rerun(settings: &Settings, out: &OutDir) -> Result<(), RunError> {
-    if settings.selection.is_whole_scene() || settings.run.overwrite || out.earlier.is_none() {
+    let is_finished = out.earlier.as_ref().is_some_and(|e| e.finished);
+    if settings.selection.is_whole_scene() || settings.run.overwrite || !is_finished {
         return Ok(());
     }
     Err(RunError::usage(format!(
@@ -227,8 +228,11 @@ fn write_all(
     manifest: &mut Manifest,
     context: &Context<'_>,
 ) -> Result<Written, RunError> {
-    // Until the new list stands, the old one tells what is lacuna's in OUT.
+    // Until the new list stands, the old one and what may come tell what is lacuna's in OUT.
     manifest.outputs = out.earlier.as_ref().map_or_else(Vec::new, |e| e.outputs.clone());
+    let listed: BTreeSet<String> = manifest.outputs.iter().map(|f| f.path.clone()).collect();
+    let coming = planned.hollow.values().map(|(_, path)| path).filter(|p| !listed.contains(*p));
+    manifest.outputs.extend(coming.map(|path| OutputFile::coming(path)));
     manifest.write(&out.own.join(MANIFEST))?;
     let mut refused: BTreeMap<CellId, String> = BTreeMap::new();
     loop {

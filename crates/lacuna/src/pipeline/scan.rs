@@ -8,7 +8,7 @@ use super::preview::tile_preview;
 use crate::geometry::box_near_cell;
 use crate::report::{DefectRecord, HeightRaster};
 use glam::DVec2;
-use lacuna_grid::{CellId, Grid, GridHints, InferredGrid, TileBox, infer_grid};
+use lacuna_grid::{CellId, Grid, GridHints, InferredGrid, TileBox, infer_grid, is_near_index};
 use lacuna_hole::{CellSurvey, Surveys, survey};
 use lacuna_mesh::{Bounds, TriMesh};
 use lacuna_schedule::{Job, JobResult};
@@ -187,6 +187,10 @@ fn place(
     mut defects: Vec<DefectRecord>,
     context: &Context<'_>,
 ) -> Result<Scanned, RunError> {
+    let is_empty = |tile: &ScannedTile| !tile.survey.bounds.min.is_finite();
+    if !bad.is_empty() && good.iter().all(|(_, tile)| is_empty(tile)) {
+        return Err(RunError::failed("no tile of the scene can be used; each one's reason stands above"));
+    }
     let grid = find_grid(scene, &good, context)?;
     let (unreadable, mut lost_cell) = cells_of_bad(scene, bad, &grid);
     let (mut surveys, mut tiles) = (Surveys::new(), BTreeMap::new());
@@ -223,7 +227,7 @@ fn cells_of_bad(scene: &Scene, bad: &[usize], grid: &InferredGrid) -> (BTreeMap<
     for &group in bad {
         let group = &scene.groups[group];
         match group.index {
-            Some((i, j)) if grid.from_names => {
+            Some((i, j)) if grid.from_names && is_near_index((i, j)) => {
                 unreadable.insert(CellId::new(i, j), group.name.clone());
             }
             _ => lost_cell = true,

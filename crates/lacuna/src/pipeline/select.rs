@@ -90,13 +90,9 @@ fn unknown_tile(name: &str, tiles: &BTreeSet<&str>) -> String {
 /// Says which limits of the run hold no cluster of the plan: the run fills less than its user may think.
 pub(crate) fn warn_unmatched(plan: &Plan, names: &Names, settings: &Settings, places: &Places) {
     let selection = &settings.selection;
-    for name in &selection.regions {
-        let number = settings.regions.iter().position(|r| r.name == *name);
-        let holds_one = number.is_some_and(|k| {
-            (0..plan.clusters.len()).any(|c| lies_in(plan, c, &settings.regions[k], k, places))
-        });
-        if !holds_one {
-            tracing::warn!("--region {}: no hole lies in it", name.escape_debug());
+    for (k, region) in settings.regions.iter().enumerate() {
+        if !(0..plan.clusters.len()).any(|c| lies_in(plan, c, region, k, places)) {
+            tracing::warn!("region {}: no hole lies in it", region.name.escape_debug());
         }
     }
     let touched = |listed: &BTreeSet<String>| names.holes.iter().any(|h| listed.contains(&h.tile));
@@ -138,10 +134,22 @@ fn lies_in(plan: &Plan, cluster: usize, region: &Region, number: usize, places: 
     }
 }
 
+/// How far a pin may lie beside a hole, metres: printed places are rounded.
+const PIN_M: f64 = 0.1;
+
+/// True if a point lies in a hole of the cluster, or beside its outline by no more than rounding.
 fn holds(plan: &Plan, cluster: &HoleCluster, point: DVec2) -> bool {
     cluster.holes.iter().any(|&h| {
-        lacuna_mesh::contains(&plan.holes[h as usize].outline, point) != lacuna_mesh::Location::Outside
+        let outline = &plan.holes[h as usize].outline;
+        let ends = |k: usize| [outline[k], outline[(k + 1) % outline.len()]];
+        lacuna_mesh::contains(outline, point) != lacuna_mesh::Location::Outside
+            || (0..outline.len()).any(|k| distance_m(point, ends(k)) <= PIN_M)
     })
+}
+
+fn distance_m(point: DVec2, [a, b]: [DVec2; 2]) -> f64 {
+    let along = ((point - a).dot(b - a) / (b - a).length_squared().max(1e-300)).clamp(0.0, 1.0);
+    point.distance(a + (b - a) * along)
 }
 
 struct Selector<'a> {
@@ -237,5 +245,19 @@ fn shape_filter(shape: HoleShape) -> HoleShapeFilter {
         HoleShape::SemiEnclosed => HoleShapeFilter::B,
         HoleShape::Crossing => HoleShapeFilter::C,
         HoleShape::Island => HoleShapeFilter::D,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pins_have_a_distance_to_an_edge() {
+        let edge = [DVec2::ZERO, DVec2::new(4.0, 0.0)];
+        for (pin, expected) in [([2.0, 1.5], 1.5), ([-3.0, 4.0], 5.0), ([4.0, 0.0], 0.0), ([7.0, 0.0], 3.0)] {
+            assert!((distance_m(DVec2::from(pin), edge) - expected).abs() < 1e-12, "{pin:?}");
+        }
+        assert_eq!(distance_m(DVec2::new(3.0, 4.0), [DVec2::ZERO; 2]), 5.0);
     }
 }

@@ -52,6 +52,9 @@ pub(crate) struct Solved {
     pub(crate) water: BTreeMap<u32, Water>,
 }
 
+/// Least spacing, in rim edges.
+const FINEST: f64 = 1e-3;
+
 /// Growth of edge lengths with the distance from the rim, in methods that grade them.
 const GROWTH: f64 = 0.3;
 
@@ -69,6 +72,7 @@ pub(crate) fn solve(
     context: &Context<'_>,
     stages: &mut Stages,
 ) -> Result<Solved, RunError> {
+    refuse_dust(plan, todo, settings_of)?;
     context.progress.start(StageKind::Fill, todo.len() as u64, todo.len() as u64);
     let mut filler = HoleFiller {
         surveys,
@@ -87,6 +91,22 @@ pub(crate) fn solve(
     let mut fills = stages.measure("fill", || filler.fill_layers(todo, &curves))?;
     stages.measure("seams", || filler.smooth(&mut curves, &mut fills))?;
     Ok(Solved { fills, curves, water: filler.fields.water })
+}
+
+/// Triangles finer than a thousandth of the rims' edges are a slip of units, and would take all memory there is.
+fn refuse_dust(
+    plan: &Plan,
+    todo: &BTreeSet<u32>,
+    settings_of: &dyn Fn(u32) -> FillSettings,
+) -> Result<(), RunError> {
+    let least_m = FINEST * plan.fit.edge_m;
+    match todo.iter().filter_map(|&h| settings_of(h).spacing_m).find(|s| *s < least_m) {
+        Some(spacing) => Err(RunError::usage(format!(
+            "a spacing of {spacing} m is less than a thousandth of the rims' edges, {:.3} m; give at least {least_m:.3} m",
+            plan.fit.edge_m
+        ))),
+        None => Ok(()),
+    }
 }
 
 fn layers_of(plan: &Plan, todo: &BTreeSet<u32>) -> BTreeSet<u32> {
@@ -110,10 +130,12 @@ pub(crate) struct HoleFiller<'a> {
 impl HoleFiller<'_> {
     /// Curves with their heights, and what the clusters' fields give to the holes.
     fn close(&self, todo: &BTreeSet<u32>) -> Result<(Curves, Fields), RunError> {
-        let settings = &self.context.settings.fill;
-        let growth = if settings.method == MethodName::Field { GROWTH } else { 0.0 };
-        let mut curves =
-            project(self.surveys, self.plan, &LayeredOptions { growth, spacing_m: settings.spacing_m });
+        let options = |h: u32| {
+            let settings = (self.settings_of)(h);
+            let growth = if settings.method == MethodName::Field { GROWTH } else { 0.0 };
+            LayeredOptions { growth, spacing_m: settings.spacing_m }
+        };
+        let mut curves = project(self.surveys, self.plan, &options);
         self.frames.round_curves(self.plan, &mut curves);
         let fields = solve_fields(self, todo, &mut curves)?;
         self.frames.round_curves(self.plan, &mut curves);
@@ -253,7 +275,7 @@ impl HoleFiller<'_> {
         let judged = filled.in_plan && filled.vertical.is_empty();
         let view = if judged { PlanView::Judged } else { PlanView::NotJudged };
         check_patch(&contour.contour, &filled.patch, view).map(|_| ()).map_err(|e| NotFilled {
-            is_refusal: false,
+            is_refusal: true,
             reason: format!("the tile's number type is too coarse for the patch: {e}"),
         })
     }
