@@ -263,19 +263,17 @@ impl<'a> Fit<'a> {
 
     /// Solves with more and more tension until the surface keeps to the range of its data; the last one stands.
     fn solve_guarded(&mut self) -> Result<(Vec<f64>, u32), SolveError> {
-        for step in 0..=TENSION_STEPS {
-            if step > 0 {
-                self.energy = self.plate.matrix(self.tension * 4f64.powi(step as i32))?;
-                self.robust.fill(1.0);
-                self.refactor()?;
-            }
-            let z = self.solve_robust()?;
-            // Water may lie below all its banks.
-            if step == TENSION_STEPS || self.pull.is_some() || self.is_in_range(&z) {
-                return Ok((z, step));
-            }
+        let mut z = self.solve_robust()?;
+        let mut step = 0;
+        // Water may lie below all its banks.
+        while step < TENSION_STEPS && self.pull.is_none() && !self.is_in_range(&z) {
+            step += 1;
+            self.energy = self.plate.matrix(self.tension * 4f64.powi(step as i32))?;
+            self.robust.fill(1.0);
+            self.refactor()?;
+            z = self.solve_robust()?;
         }
-        unreachable!("the last step returns")
+        Ok((z, step))
     }
 
     fn solve_robust(&mut self) -> Result<Vec<f64>, SolveError> {

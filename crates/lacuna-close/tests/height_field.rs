@@ -203,7 +203,7 @@ fn water_settles_on_its_level_and_still_joins_the_rim() {
         let near = (0..lake.places.len()).filter(|&v| lake.places[v].length() < 2.0);
         near.map(|v| (field.heights_m[v] - 1.5).abs()).fold(0.0, f64::max)
     };
-    assert!(middle(&field) < 0.05, "{} m off the level", middle(&field));
+    assert!(middle(&field) < 0.02, "{} m off the level", middle(&field));
     assert!(middle(&solved(&dry)) > 1.0);
     let exact =
         lake.data.iter().zip(&field.heights_m).filter_map(|(d, z)| d.filter(|d| d.is_exact).map(|d| (d, z)));

@@ -236,7 +236,7 @@ pub struct RepairArgs {
     /// Go on where an earlier run stopped (not in this version).
     #[arg(long, hide = true)]
     pub resume: bool,
-    /// Scan and plan, list what would change, write nothing
+    /// Scan, plan and list the holes, write nothing
     #[arg(long)]
     pub dry_run: bool,
     /// What makes the run end with exit code 3 [default: holes]
