@@ -15,6 +15,10 @@ const PLANE_M: f64 = 0.002;
 const LEAST_EDGES: usize = 3;
 /// Cosine of the angle up to which two triangles face the same way: 60 degrees, blocks are simplified each on its own.
 const SAME_WAY: f64 = 0.5;
+/// Cosine from which two edges run against each other: the sides of a cut follow one line.
+const AGAINST: f64 = -0.5;
+/// The same for edges with a common vertex: there a cut ends in a tip, or a rim just turns.
+const TIP: f64 = -0.9;
 
 /// One boundary edge in an axis-parallel plane.
 struct PlanarEdge {
@@ -145,8 +149,7 @@ fn facing_edges(survey: &CellSurvey, edges: &[PlanarEdge], axis: usize, gap_m: f
     let faces = |e: &PlanarEdge, o: &PlanarEdge| {
         let is_near = e.plane.saturating_sub(o.plane).saturating_abs() <= reach;
         let opposite = side(e) * side(o) < 0.0;
-        let against = (e.to - e.from).dot(o.to - o.from) < 0.0;
-        is_near && opposite && against && run_side_by_side(e, o, axis, slack_m)
+        is_near && opposite && run_against(e, o) && run_side_by_side(e, o, axis, slack_m)
     };
     // Numbers of planes are rounded, and an edge leaves its plane by up to as much.
     let around_m = slack_m + 4.0 * PLANE_M;
@@ -174,6 +177,13 @@ impl PlanarEdge {
     fn bounds(&self) -> Bounds {
         Bounds { min: self.from.min(self.to), max: self.from.max(self.to) }
     }
+}
+
+/// True if two edges have opposite directions, as the two sides of one line.
+fn run_against(a: &PlanarEdge, b: &PlanarEdge) -> bool {
+    let (along_a, along_b) = (a.to - a.from, b.to - b.from);
+    let limit = if a.to == b.from || b.to == a.from { TIP } else { AGAINST };
+    along_a.dot(along_b) < limit * along_a.length() * along_b.length()
 }
 
 /// True if two edges run side by side within the plane: along their longer direction they share a quarter of the shorter
