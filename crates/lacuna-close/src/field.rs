@@ -2,7 +2,7 @@
 
 use crate::Curves;
 use crate::contour::{Source, closing_source};
-use crate::height_field::{FieldError, FieldParams, HeightField, height_field};
+use crate::height_field::{FieldError, FieldParams, HeightField, height_field, height_field_bytes};
 use crate::region::{ClusterRegion, FieldPart, Joint, cluster_region, rim_points};
 use crate::water::{Water, given_water, water};
 use lacuna_hole::{Plan, Surveys};
@@ -16,7 +16,9 @@ pub struct ClusterField {
     /// Heights of the new vertices of each part's triangulation, metres.
     pub new_m: Vec<Vec<f64>>,
     joints: BTreeMap<Joint, f64>,
-    /// Places in the region: the unknowns of the solve.
+    /// Places in the region.
+    pub places: usize,
+    /// Places of the largest system that was solved for them: fewer if the region was coarsened.
     pub unknowns: usize,
     /// Share of the surrounding vertices that were taken for outliers.
     pub outlier_share: f64,
@@ -64,20 +66,52 @@ pub fn field(
             Some(given_water(&rim_points(parts), plane))
         }
     };
-    let HeightField { heights_m, outlier_share, tension_steps, smoothing_edges } =
+    let HeightField { heights_m, outlier_share, tension_steps, smoothing_edges, unknowns } =
         height_field(&region, params, solver)?;
     let height = |v: u32| heights_m.get(v as usize).copied();
     let heights = |ids: &Vec<u32>| ids.iter().map(|&v| height(v).ok_or(FieldError::LooseVertex)).collect();
     Ok(ClusterField {
         new_m: new.iter().map(heights).collect::<Result<_, _>>()?,
         joints: joints.into_iter().filter_map(|(joint, v)| Some((joint, height(v)?))).collect(),
-        unknowns: region.places.len(),
+        places: region.places.len(),
+        unknowns,
         outlier_share,
         tension_steps,
         smoothing_edges,
         water: region.water,
     })
 }
+
+/// What a place of a region takes, and what building the region takes for it, bytes.
+const REGION_BYTES: u64 = 140;
+
+/// Memory that [`field`] takes at its peak, bytes, measured on the cluster's own system. Measuring takes
+/// [`measuring_bytes`] itself.
+///
+/// # Errors
+/// As [`field`].
+pub fn field_bytes(
+    surveys: &Surveys,
+    plan: &Plan,
+    parts: &[FieldPart<'_>],
+    params: &FieldParams,
+    solver: &dyn Solver,
+) -> Result<u64, FieldError> {
+    let region = cluster_region(surveys, plan, parts).region;
+    Ok(height_field_bytes(&region, params, solver)? + REGION_BYTES * region.places.len() as u64)
+}
+
+/// What [`field_bytes`] takes for a region of so many places, bytes: the region, the matrix and its order, no factor.
+#[must_use]
+pub fn measuring_bytes(places: u64, params: &FieldParams) -> u64 {
+    let solved = places.min(params.max_unknowns as u64);
+    (REGION_BYTES + COARSENING_BYTES) * places + SYSTEM_BYTES * solved
+}
+
+/// Fans and triangles of a region while places are taken out.
+const COARSENING_BYTES: u64 = 150;
+/// Hessians, matrix, and the order of elimination, a place.
+const SYSTEM_BYTES: u64 = 700;
 
 /// Writes a field's heights, and where the lines of two cells differ its slope across the border, into the curves.
 pub fn raise_curves(plan: &Plan, field: &ClusterField, curves: &mut Curves) {

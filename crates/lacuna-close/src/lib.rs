@@ -4,21 +4,28 @@
 //! their patches meet without a crack. Method `layered`: heights are projected from the rims, layer by layer. Method
 //! `field`: one robust thin plate over the hole of a whole cluster gives heights to curves and patches.
 
+mod blocks;
+mod coarsen;
 mod contour;
 mod curve;
 mod field;
+mod fit;
 mod height_field;
 mod layered;
 mod plate;
 mod profile;
+mod refine;
 mod region;
+mod rim_join;
+mod robust;
+mod sample;
 mod strip;
 mod untangle;
 mod water;
 
 pub use contour::{CellContour, CloseError, ClosingPoint, Source, contour};
 pub use curve::{BorderCurve, Curves};
-pub use field::{ClusterField, WaterRule, field, raise_curves};
+pub use field::{ClusterField, WaterRule, field, field_bytes, measuring_bytes, raise_curves};
 pub use height_field::{Datum, FieldError, FieldParams, HeightField, Region, height_field};
 pub use layered::{LayeredOptions, project};
 pub use region::{ClusterRegion, FieldPart, cluster_region};

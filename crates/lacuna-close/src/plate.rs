@@ -2,13 +2,13 @@
 
 use glam::DVec2;
 use lacuna_mesh::{Fans, closed_fans};
-use lacuna_solve::{SolveError, SparseSymmetric, WeightedRows};
+use lacuna_solve::{SolveError, SparseSymmetric};
 
 /// A triangulation with what its plate energy is made of: gradients of the hat functions, areas, complete vertices.
 pub(crate) struct Plate<'a> {
-    places: &'a [DVec2],
-    triangles: &'a [[u32; 3]],
-    fans: Fans,
+    pub(crate) places: &'a [DVec2],
+    pub(crate) triangles: &'a [[u32; 3]],
+    pub(crate) fans: Fans,
     /// Vertices whose triangles close round them: they have a Hessian; others take part as neighbours only, which is the
     /// natural condition of a free edge.
     has_hessian: Vec<bool>,
@@ -43,25 +43,72 @@ impl<'a> Plate<'a> {
     /// Source: Stein, Grinspun, Wardetzky, Jacobson 2018 (natural boundary conditions for smoothing in geometry
     /// processing, sec. 4.3); for inner vertices the same surface as algorithms D.3.
     pub(crate) fn matrix(&self, tension: f64) -> Result<SparseSymmetric, SolveError> {
-        let mut rows = WeightedRows::new();
-        for v in 0..self.places.len() as u32 {
-            if self.has_hessian[v as usize] {
-                self.push_hessian(v, &mut rows)?;
+        let count = self.places.len();
+        let stencils = self.stencils();
+        let (mut starts, mut rows, mut values) = (vec![0u32], vec![], vec![]);
+        rows.reserve(ENTRIES_A_PLACE * count);
+        values.reserve(ENTRIES_A_PLACE * count);
+        let mut column = Column::new(count);
+        for j in 0..count as u32 {
+            column.start(j);
+            self.add_bending(j, &stencils, &mut column);
+            self.add_stretching(j, tension, &mut column);
+            column.found.sort_unstable();
+            rows.extend_from_slice(&column.found);
+            values.extend(column.found.iter().map(|&row| column.sum[row as usize]));
+            let end = u32::try_from(rows.len());
+            let what = || "more than 2^32 matrix entries".to_owned();
+            starts.push(end.map_err(|_| SolveError::TooLarge { order: count, what: what() })?);
+        }
+        SparseSymmetric::from_sorted_columns(starts, rows, values)
+    }
+
+    /// Adds `M |H z|^2` of a vertex and its neighbours to column `j`.
+    fn add_bending(&self, j: u32, stencils: &Stencils, column: &mut Column) {
+        let fan = self.fans.of(j).iter().flat_map(|&t| self.triangles[t as usize]);
+        let mut around: Vec<u32> = fan.filter(|&v| self.has_hessian[v as usize]).collect();
+        around.sort_unstable();
+        around.dedup();
+        for v in around {
+            let stencil = stencils.of(v);
+            let Some(own) = stencil.iter().find(|e| e.0 == j) else { continue };
+            let mass = self.mass_m2[v as usize];
+            for (k, weight) in [(0, mass), (1, 2.0 * mass), (2, mass)] {
+                let scale = weight * own.1[k];
+                stencil.iter().for_each(|(u, h)| column.add(*u, scale * h[k]));
             }
         }
-        for &corners in self.triangles {
+    }
+
+    /// Adds `tension * integral of |grad z|^2` to column `j`.
+    fn add_stretching(&self, j: u32, tension: f64, column: &mut Column) {
+        for &t in self.fans.of(j) {
+            let corners = self.triangles[t as usize];
+            let Some(own) = corners.iter().position(|&c| c == j) else { continue };
             let gradients = self.gradients(corners);
             let weight = tension * self.area(corners);
             for axis in 0..2 {
-                rows.push(weight, &[0, 1, 2].map(|k| (corners[k], gradients[k][axis])))?;
+                let scale = weight * gradients[own][axis];
+                (0..3).for_each(|k| column.add(corners[k], scale * gradients[k][axis]));
             }
         }
-        rows.gram(self.places.len())
     }
 
-    fn push_hessian(&self, v: u32, rows: &mut WeightedRows) -> Result<(), SolveError> {
+    fn stencils(&self) -> Stencils {
+        let mut stencils = Stencils { starts: vec![0], entries: Vec::with_capacity(7 * self.places.len()) };
+        for v in 0..self.places.len() as u32 {
+            if self.has_hessian[v as usize] {
+                self.push_hessian(v, &mut stencils.entries);
+            }
+            stencils.starts.push(stencils.entries.len() as u32);
+        }
+        stencils
+    }
+
+    /// Appends the Hessian at a vertex: for it and each neighbour xx, xy and yy.
+    fn push_hessian(&self, v: u32, entries: &mut Vec<(u32, [f64; 3])>) {
         let mass = self.mass_m2[v as usize];
-        let mut entries: Vec<(u32, [f64; 3])> = Vec::with_capacity(8);
+        let first = entries.len();
         for &t in self.fans.of(v) {
             let corners = self.triangles[t as usize];
             let gradients = self.gradients(corners);
@@ -70,17 +117,12 @@ impl<'a> Plate<'a> {
             for (&corner, g) in corners.iter().zip(gradients) {
                 let a = gradients[own] * scale;
                 let addend = [a.x * g.x, 0.5 * (a.x * g.y + a.y * g.x), a.y * g.y];
-                match entries.iter_mut().find(|e| e.0 == corner) {
+                match entries[first..].iter_mut().find(|e| e.0 == corner) {
                     Some((_, sum)) => (0..3).for_each(|k| sum[k] += addend[k]),
                     None => entries.push((corner, addend)),
                 }
             }
         }
-        for (k, weight) in [(0, mass), (1, 2.0 * mass), (2, mass)] {
-            let row: Vec<(u32, f64)> = entries.iter().map(|&(u, sum)| (u, sum[k])).collect();
-            rows.push(weight, &row)?;
-        }
-        Ok(())
     }
 
     fn area(&self, corners: [u32; 3]) -> f64 {
@@ -93,6 +135,53 @@ impl<'a> Plate<'a> {
         let [a, b, c] = corners.map(|v| self.places[v as usize]);
         let twice = (b - a).perp_dot(c - a);
         [(c - b).perp() / twice, (a - c).perp() / twice, (b - a).perp() / twice]
+    }
+}
+
+/// Entries of the lower triangle a place has, about: half of a place's two rings.
+const ENTRIES_A_PLACE: usize = 11;
+
+/// The Hessians of all vertices that have one.
+struct Stencils {
+    starts: Vec<u32>,
+    entries: Vec<(u32, [f64; 3])>,
+}
+
+impl Stencils {
+    fn of(&self, v: u32) -> &[(u32, [f64; 3])] {
+        &self.entries[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]
+    }
+}
+
+/// A column of the lower triangle in work.
+struct Column {
+    index: u32,
+    seen: Vec<u32>,
+    sum: Vec<f64>,
+    found: Vec<u32>,
+}
+
+impl Column {
+    fn new(count: usize) -> Self {
+        Self { index: 0, seen: vec![u32::MAX; count], sum: vec![0.0; count], found: vec![] }
+    }
+
+    fn start(&mut self, index: u32) {
+        self.index = index;
+        self.found.clear();
+        self.add(index, 0.0);
+    }
+
+    fn add(&mut self, row: u32, value: f64) {
+        if row < self.index {
+            return;
+        }
+        if self.seen[row as usize] != self.index {
+            self.seen[row as usize] = self.index;
+            self.sum[row as usize] = 0.0;
+            self.found.push(row);
+        }
+        self.sum[row as usize] += value;
     }
 }
 

@@ -210,3 +210,25 @@ fn water_settles_on_its_level_and_still_joins_the_rim() {
     assert!(exact.clone().count() > 0);
     assert!(exact.into_iter().all(|(d, z)| d.height_m == *z));
 }
+
+#[test]
+fn a_region_over_the_limit_gets_nearly_the_same_surface() {
+    for hole in [Hole::Disk, Hole::AtEdge] {
+        let mut region = region(hole, DVec2::ZERO, hills);
+        for (v, datum) in region.data.iter_mut().enumerate() {
+            if let Some(d) = datum.as_mut().filter(|_| v % 23 == 0) {
+                d.height_m += 0.5 * noise(v);
+            }
+        }
+        let whole = solved(&region);
+        let error = mean_error(&region, &whole, hills);
+        for share in [2, 4] {
+            let max_unknowns = region.places.len() / share;
+            let params = FieldParams { max_unknowns, ..FieldParams::default() };
+            let field = height_field(&region, &params, &FaerSolver).expect("solved");
+            assert!(field.unknowns <= max_unknowns);
+            let coarse_error = mean_error(&region, &field, hills);
+            assert!(coarse_error < 1.03 * error, "1/{share}: {coarse_error} against {error}");
+        }
+    }
+}

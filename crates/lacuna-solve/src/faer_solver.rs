@@ -23,17 +23,29 @@ impl Solver for FaerSolver {
     }
 
     fn factor(&self, matrix: &SparseSymmetric) -> Result<Box<dyn Factor>, SolveError> {
-        let symbolic = factorize_symbolic_cholesky(
-            symbolic_view(matrix),
-            Side::Lower,
-            SymmetricOrdering::Amd,
-            CholeskySymbolicParams::default(),
-        )
-        .map_err(|e| too_large(matrix.order(), &e))?;
+        let symbolic = symbolic(matrix)?;
         let mut factor = FaerFactor { matrix: matrix.clone(), symbolic, numeric: Vec::new() };
         factor.factor_numeric(matrix)?;
         Ok(Box::new(factor))
     }
+
+    fn factor_bytes(&self, matrix: &SparseSymmetric) -> Result<u64, SolveError> {
+        let symbolic = symbolic(matrix)?;
+        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let symbolic_bytes = SYMBOLIC_BYTES * matrix.order() + SYMBOLIC_ENTRY_BYTES * matrix.entry_count();
+        Ok((8 * symbolic.len_val() + scratch.unaligned_bytes_required() + symbolic_bytes) as u64)
+    }
+}
+
+/// What the order, the elimination tree and the structure of the factor take for each unknown, with what finding them
+/// takes for each entry of the matrix.
+const SYMBOLIC_BYTES: usize = 64;
+const SYMBOLIC_ENTRY_BYTES: usize = 24;
+
+fn symbolic(matrix: &SparseSymmetric) -> Result<SymbolicCholesky<u32>, SolveError> {
+    let params = CholeskySymbolicParams::default();
+    factorize_symbolic_cholesky(symbolic_view(matrix), Side::Lower, SymmetricOrdering::Amd, params)
+        .map_err(|e| too_large(matrix.order(), &e))
 }
 
 struct FaerFactor {

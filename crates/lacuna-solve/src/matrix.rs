@@ -81,20 +81,65 @@ impl SparseSymmetric {
         Ok(Self { starts, rows, values })
     }
 
-    /// The same matrix with `addends` on its diagonal, one a column; the pattern stays.
+    /// The same matrix with `addends` on entries that it has; the pattern stays. An off-diagonal pair is given once, on
+    /// either side of the diagonal.
     ///
     /// # Errors
-    /// [`SolveError::Malformed`] unless there is one addend a column.
-    pub fn plus_diagonal(&self, addends: &[f64]) -> Result<Self, SolveError> {
-        if addends.len() != self.order() {
-            return Err(malformed("the diagonal's length is not the matrix's order"));
-        }
+    /// [`SolveError::Malformed`] if an addend is for an entry that the matrix does not have.
+    pub fn plus(&self, addends: impl IntoIterator<Item = Triplet>) -> Result<Self, SolveError> {
         let mut sum = self.clone();
-        for (column, addend) in addends.iter().enumerate() {
-            // The first entry of a column is the one on the diagonal.
-            sum.values[self.starts[column] as usize] += addend;
+        for t in addends {
+            let Triplet { row, column, value } = into_lower(&t);
+            let at =
+                self.find(row, column).ok_or_else(|| malformed("an addend is outside of the pattern"))?;
+            sum.values[at] += value;
         }
         Ok(sum)
+    }
+
+    /// Index of an entry of the lower triangle.
+    fn find(&self, row: u32, column: u32) -> Option<usize> {
+        if column as usize >= self.order() {
+            return None;
+        }
+        let range = self.starts[column as usize] as usize..self.starts[column as usize + 1] as usize;
+        // The first entry of a column is the one on the diagonal.
+        if row == column {
+            return Some(range.start);
+        }
+        self.rows[range.clone()].binary_search(&row).ok().map(|k| range.start + k)
+    }
+
+    /// The first `count` unknowns alone, all others being held at `held` (one value each, in order): the matrix that is
+    /// left, and what moves to the right-hand side.
+    ///
+    /// # Errors
+    /// [`SolveError::WrongLength`] unless `count` and `held` make up the order.
+    pub fn leading(&self, count: usize, held: &[f64]) -> Result<(Self, Vec<f64>), SolveError> {
+        if count + held.len() != self.order() {
+            return Err(SolveError::WrongLength { length: count + held.len(), order: self.order() });
+        }
+        let (mut starts, mut rows, mut values) = (vec![0u32], vec![], vec![]);
+        let mut moved = vec![0.0; count];
+        for j in 0..count {
+            for (row, value) in self.column(j) {
+                match (row as usize).checked_sub(count) {
+                    Some(k) => moved[j] -= value * held[k],
+                    None => {
+                        rows.push(row);
+                        values.push(value);
+                    }
+                }
+            }
+            starts.push(narrow(rows.len(), count)?);
+        }
+        Ok((Self { starts, rows, values }, moved))
+    }
+
+    /// The entry on the diagonal of column `j`.
+    #[must_use]
+    pub fn diagonal(&self, j: usize) -> f64 {
+        self.values[self.starts[j] as usize]
     }
 
     /// Number of rows and columns.
@@ -107,6 +152,13 @@ impl SparseSymmetric {
     #[must_use]
     pub fn entry_count(&self) -> usize {
         self.rows.len()
+    }
+
+    /// Memory of the entries, bytes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        (size_of::<u32>() * (self.starts.capacity() + self.rows.capacity())
+            + size_of::<f64>() * self.values.capacity()) as u64
     }
 
     /// Rows and values of column `j` from the diagonal downwards.
@@ -175,4 +227,34 @@ fn malformed(what: &str) -> SolveError {
 fn narrow(count: usize, order: usize) -> Result<u32, SolveError> {
     u32::try_from(count)
         .map_err(|_| SolveError::TooLarge { order, what: "more than 2^32 matrix entries".to_owned() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triplet(row: u32, column: u32, value: f64) -> Triplet {
+        Triplet { row, column, value }
+    }
+
+    fn path() -> SparseSymmetric {
+        let entries = [triplet(0, 0, 2.0), triplet(1, 0, -1.0), triplet(1, 1, 2.0), triplet(2, 1, -1.0)];
+        SparseSymmetric::from_triplets(3, &entries).expect("well formed")
+    }
+
+    #[test]
+    fn addends_go_to_entries_that_are_there() {
+        let sum = path().plus([triplet(0, 1, 0.5), triplet(2, 2, 3.0)]).expect("in the pattern");
+        assert_eq!(sum.multiply(&[1.0, 1.0, 1.0]), Ok(vec![1.5, 0.5, 2.0]));
+        assert!(path().plus([triplet(2, 0, 1.0)]).is_err());
+        assert!(path().plus([triplet(3, 3, 1.0)]).is_err());
+    }
+
+    #[test]
+    fn held_unknowns_move_to_the_other_side() {
+        let (matrix, moved) = path().leading(2, &[5.0]).expect("three");
+        assert_eq!((matrix.order(), moved), (2, vec![0.0, 5.0]));
+        assert_eq!(matrix.multiply(&[1.0, 1.0]), Ok(vec![1.0, 1.0]));
+        assert!(path().leading(2, &[]).is_err());
+    }
 }

@@ -21,6 +21,21 @@ impl Solver for ReferenceSolver {
         factor.factor_numeric(matrix)?;
         Ok(Box::new(factor))
     }
+
+    fn factor_bytes(&self, matrix: &SparseSymmetric) -> Result<u64, SolveError> {
+        let (_, counts) = Upper::new(matrix, &inverse(&nested_dissection(matrix))).elimination_tree();
+        let entries: u64 = counts.iter().map(|&c| u64::from(c)).sum();
+        Ok(12 * entries + 2 * 12 * matrix.entry_count() as u64 + 64 * matrix.order() as u64)
+    }
+}
+
+/// Place of each unknown in an order of elimination.
+fn inverse(unknown: &[u32]) -> Vec<u32> {
+    let mut place = vec![0u32; unknown.len()];
+    for (k, &v) in unknown.iter().enumerate() {
+        place[v as usize] = k as u32;
+    }
+    place
 }
 
 /// L (unit lower triangle, compressed columns without the diagonal) and D of the permuted matrix.
@@ -64,10 +79,7 @@ impl ReferenceFactor {
     fn analyse(matrix: &SparseSymmetric) -> Result<Self, SolveError> {
         let order = matrix.order();
         let unknown = nested_dissection(matrix);
-        let mut place = vec![0u32; order];
-        for (k, &v) in unknown.iter().enumerate() {
-            place[v as usize] = k as u32;
-        }
+        let place = inverse(&unknown);
         let upper = Upper::new(matrix, &place);
         let (parent, counts) = upper.elimination_tree();
         let mut starts = vec![0usize; order + 1];

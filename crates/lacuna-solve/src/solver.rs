@@ -16,6 +16,13 @@ pub trait Solver: Send + Sync {
     /// # Errors
     /// [`SolveError::NotPositiveDefinite`], [`SolveError::NotFinite`], [`SolveError::TooLarge`].
     fn factor(&self, matrix: &SparseSymmetric) -> Result<Box<dyn Factor>, SolveError>;
+
+    /// Memory that [`Self::factor`] takes for `matrix` at its peak, bytes, from the symbolic part alone; the matrix
+    /// itself is not counted.
+    ///
+    /// # Errors
+    /// [`SolveError::TooLarge`].
+    fn factor_bytes(&self, matrix: &SparseSymmetric) -> Result<u64, SolveError>;
 }
 
 /// A factored matrix.

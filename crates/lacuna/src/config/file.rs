@@ -32,6 +32,8 @@ pub(crate) struct ConfigFile {
     #[serde(default)]
     pub(crate) fill: FillSection,
     #[serde(default)]
+    pub(crate) field: FieldSection,
+    #[serde(default)]
     pub(crate) water: WaterSection,
     #[serde(default)]
     pub(crate) regions: Vec<RegionSection>,
@@ -105,6 +107,14 @@ pub(crate) struct FillSection {
     pub(crate) spacing_m: Option<f64>,
 }
 
+/// `field`.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct FieldSection {
+    #[serde(deserialize_with = "enough_unknowns")]
+    pub(crate) max_unknowns: Option<usize>,
+}
+
 /// `water`.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -167,6 +177,18 @@ fn built_method<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Met
     let method = Option::<MethodName>::deserialize(deserializer)?;
     match method {
         Some(MethodName::Aggregate) => Err(D::Error::custom("aggregate is not in this version; use field")),
+        other => Ok(other),
+    }
+}
+
+/// Fewer and there is no shape left to fit.
+const LEAST_UNKNOWNS: usize = 1000;
+
+fn enough_unknowns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<usize>, D::Error> {
+    match Option::<usize>::deserialize(deserializer)? {
+        Some(count) if count < LEAST_UNKNOWNS => {
+            Err(D::Error::custom(format!("must be at least {LEAST_UNKNOWNS}")))
+        }
         other => Ok(other),
     }
 }

@@ -16,13 +16,14 @@ const fn key(section: &'static str, name: &'static str, meaning: &'static str) -
 }
 
 /// All keys of this version.
-pub(crate) const KEYS: [Key; 37] = [
+pub(crate) const KEYS: [Key; 39] = [
     key("", "version", "the number 1"),
     key("", "scene", "a section such as (input: \"tiles\", output: \"out\")"),
     key("", "area", "a section such as (limit: cells, external: skip)"),
     key("", "run", "a section such as (memory: \"50%\", threads: 0)"),
     key("", "find", "a section such as (min_area_m2: 0.5)"),
     key("", "fill", "a section such as (method: field)"),
+    key("", "field", "a section such as (max_unknowns: 400_000)"),
     key("", "water", "a section such as (mode: auto)"),
     key("", "regions", "a list such as [(name: \"quay\", at: point(84512, 447233), skip: \"why\")]"),
     key("scene", "input", "a folder in quotes"),
@@ -48,6 +49,7 @@ pub(crate) const KEYS: [Key; 37] = [
     key("fill", "closed", "auto, delaunay or min_area"),
     key("fill", "open", "auto or delaunay"),
     key("fill", "spacing_m", "a length in metres, such as 0.5"),
+    key("field", "max_unknowns", "a count of vertices, at least 1000, such as 400_000"),
     key("water", "mode", "auto, off or level(height in metres), such as level(-0.45)"),
     key("regions", "name", "a name in quotes"),
     key(

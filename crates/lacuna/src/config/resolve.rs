@@ -64,7 +64,12 @@ impl Settings {
             Some(path) => (ConfigFile::read(path)?, path.parent().unwrap_or(Path::new("")).to_owned()),
             None => (ConfigFile::default(), PathBuf::new()),
         };
-        let base = FillSettings { water: file.water.mode.unwrap_or_default(), ..FillSettings::default() };
+        let default = FillSettings::default();
+        let base = FillSettings {
+            water: file.water.mode.unwrap_or_default(),
+            max_unknowns: file.field.max_unknowns.unwrap_or(default.max_unknowns),
+            ..default
+        };
         let fill = fill(&file.fill, base);
         let settings = Self {
             scene: scene(&file.scene, &arguments, &folder),
@@ -249,6 +254,7 @@ fn fill(file: &FillSection, base: FillSettings) -> FillSettings {
         open: file.open.unwrap_or(base.open),
         spacing_m: file.spacing_m.or(base.spacing_m),
         water: base.water,
+        max_unknowns: base.max_unknowns,
     }
 }
 
@@ -263,6 +269,7 @@ fn fill_flags(flags: &FillArgs, base: FillSettings) -> Result<FillSettings, Conf
         open: flags.open.unwrap_or(base.open),
         spacing_m: flags.spacing.or(base.spacing_m),
         water: base.water,
+        max_unknowns: base.max_unknowns,
     })
 }
 

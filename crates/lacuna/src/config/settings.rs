@@ -259,8 +259,11 @@ pub enum WaterMode {
     Level(f64),
 }
 
+/// Places that one solve of method `field` may have by default: about half a gibibyte.
+const MAX_UNKNOWNS: usize = 400_000;
+
 /// How holes are filled.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FillSettings {
     /// Where the surface comes from.
     pub method: MethodName,
@@ -272,6 +275,22 @@ pub struct FillSettings {
     pub spacing_m: Option<f64>,
     /// Whether the surface settles on a level (method `field`).
     pub water: WaterMode,
+    /// Places that one solve may have (method `field`); larger clusters are solved on a coarser triangulation first, then
+    /// block by block.
+    pub max_unknowns: usize,
+}
+
+impl Default for FillSettings {
+    fn default() -> Self {
+        Self {
+            method: MethodName::default(),
+            closed: ClosedFiller::default(),
+            open: OpenFiller::default(),
+            spacing_m: None,
+            water: WaterMode::default(),
+            max_unknowns: MAX_UNKNOWNS,
+        }
+    }
 }
 
 /// Where a region lies, in the frame of [`PolygonFile`] or scene coordinates.

@@ -4,7 +4,8 @@ use super::RunError;
 use super::solve::{HoleFiller, fill_params};
 use crate::config::{ClosedFiller, FillSettings, MethodName, WaterMode};
 use lacuna_close::{
-    CellContour, ClusterField, Curves, FieldParams, FieldPart, Water, WaterRule, contour, field, raise_curves,
+    CellContour, ClusterField, Curves, FieldError, FieldParams, FieldPart, Water, WaterRule, contour, field,
+    field_bytes, measuring_bytes, raise_curves,
 };
 use lacuna_fill::{Triangulation, triangulate_in_plan};
 use lacuna_hole::HoleClass;
@@ -29,10 +30,12 @@ pub(crate) struct Fields {
     pub(crate) water: BTreeMap<u32, Water>,
 }
 
-/// Bytes a place in the region takes while its field is solved, and what each doubling of their number adds: the factor
-/// fills in (measured: 3.1 kB at 4e5 places, less below).
+/// Bytes a place in the region takes at most while its field is solved, and what each doubling of their number adds: the
+/// factor fills in, the more the wider the hole (measured: up to 3.1 kB at 4e5 places).
 const BYTES_A_PLACE: f64 = 1200.0;
 const BYTES_A_DOUBLING: f64 = 130.0;
+/// From this many places on the need is measured on the matrix instead: rivers need a third of what lakes do.
+const MEASURED_PLACES: f64 = 20_000.0;
 /// Places behind the rim for each rim vertex: three rings, shared by the two sides of a corner.
 const RING_PLACES: f64 = 3.5;
 
@@ -114,49 +117,112 @@ fn fit_all(
     triangulations: &BTreeMap<u32, Triangulation>,
     curves: &Curves,
 ) -> Result<Fitted, RunError> {
-    let places = |h: u32| {
-        let behind = RING_PLACES * f64::from(filler.plan.holes[h as usize].rim_vertices);
-        triangulations.get(&h).map_or(0, |t| t.vertices.len() + t.contour_vertices) as f64 + behind
-    };
-    let bytes = |holes: &Vec<u32>| {
-        let count = holes.iter().map(|&h| places(h)).sum::<f64>().max(2.0);
-        (count * (BYTES_A_PLACE + BYTES_A_DOUBLING * count.log2())) as u64 + (1 << 20)
-    };
-    let jobs: Vec<Job> =
-        clusters.iter().map(|holes| Job { key: u64::from(holes[0]), bytes: bytes(holes) }).collect();
-    let fit = |k: usize| fit_one(filler, &clusters[k], triangulations, curves);
-    let results = filler.run(&jobs, &|k| filler.name(clusters[k][0]), &fit)?;
+    let fits: Vec<Fit<'_>> =
+        clusters.iter().map(|holes| Fit { filler, holes, triangulations, curves }).collect();
+    let name = |k: usize| fits[k].name();
+    let bytes = measured_bytes(filler, &fits)?;
+    let jobs: Vec<Job> = fits.iter().zip(bytes).map(|(fit, bytes)| fit.job(bytes)).collect();
+    let results = filler.run(&jobs, &name, &|k| fits[k].fit())?;
     let results: Vec<_> = results.into_iter().map(flat).collect();
+    drop(fits);
     Ok(clusters.into_iter().zip(results).collect())
 }
 
-fn fit_one(
-    filler: &HoleFiller<'_>,
-    holes: &[u32],
-    triangulations: &BTreeMap<u32, Triangulation>,
-    curves: &Curves,
-) -> Result<ClusterField, String> {
-    // Closing points as the curves have them, not as each tile rounds them: neighbours must find theirs again.
-    let exact = |h: u32| {
-        let hole = &filler.plan.holes[h as usize];
-        contour(filler.surveys, filler.plan, hole, curves, &|p| p).map_err(|e| e.to_string())
-    };
-    let contours: Vec<CellContour> = holes.iter().map(|&h| exact(h)).collect::<Result<_, _>>()?;
-    let parts: Vec<FieldPart<'_>> = holes
-        .iter()
-        .zip(&contours)
-        .filter_map(|(&h, contour)| {
-            let hole = &filler.plan.holes[h as usize];
-            Some(FieldPart { hole, contour, triangulation: triangulations.get(&h)? })
+/// What each fit needs: an estimate for small clusters; large ones have their systems set up for it.
+fn measured_bytes(filler: &HoleFiller<'_>, fits: &[Fit<'_>]) -> Result<Vec<u64>, RunError> {
+    let mut bytes: Vec<u64> = fits.iter().map(Fit::estimated_bytes).collect();
+    let large: Vec<usize> = (0..fits.len()).filter(|&k| fits[k].places() >= MEASURED_PLACES).collect();
+    let measuring = |fit: &Fit<'_>| fit.job(measuring_bytes(fit.places() as u64, &fit.params()));
+    let jobs: Vec<Job> = large.iter().map(|&k| measuring(&fits[k])).collect();
+    let results = filler.run(&jobs, &|k| fits[large[k]].name(), &|k| fits[large[k]].measured_bytes())?;
+    for (&k, result) in large.iter().zip(results) {
+        // What cannot be set up fails again when it is solved, with its reason.
+        bytes[k] = flat(result).unwrap_or(bytes[k]);
+    }
+    Ok(bytes)
+}
+
+/// The fit of one cluster.
+struct Fit<'a> {
+    filler: &'a HoleFiller<'a>,
+    /// Numbers of the cluster's holes.
+    holes: &'a [u32],
+    triangulations: &'a BTreeMap<u32, Triangulation>,
+    curves: &'a Curves,
+}
+
+impl Fit<'_> {
+    fn name(&self) -> String {
+        let first = self.filler.name(self.holes[0]);
+        match self.holes.len() {
+            1 => first,
+            count => format!("the surface of {count} holes, from {first} on,"),
+        }
+    }
+
+    fn job(&self, bytes: u64) -> Job {
+        Job { key: u64::from(self.holes[0]), bytes: bytes + (1 << 20) }
+    }
+
+    fn params(&self) -> FieldParams {
+        let max_unknowns = (self.filler.settings_of)(self.holes[0]).max_unknowns;
+        FieldParams { max_unknowns, ..FieldParams::default() }
+    }
+
+    /// Places in the region, about.
+    fn places(&self) -> f64 {
+        let of_hole = |&h: &u32| {
+            let behind = RING_PLACES * f64::from(self.filler.plan.holes[h as usize].rim_vertices);
+            self.triangulations.get(&h).map_or(0, |t| t.vertices.len() + t.contour_vertices) as f64 + behind
+        };
+        self.holes.iter().map(of_hole).sum::<f64>().max(2.0)
+    }
+
+    fn estimated_bytes(&self) -> u64 {
+        (self.places() * (BYTES_A_PLACE + BYTES_A_DOUBLING * self.places().log2())) as u64
+    }
+
+    fn measured_bytes(&self) -> Result<u64, String> {
+        let filler = self.filler;
+        self.with_parts(|parts| {
+            field_bytes(filler.surveys, filler.plan, parts, &self.params(), filler.solver)
         })
-        .collect();
-    let rule = match (filler.settings_of)(holes[0]).water {
-        WaterMode::Auto => WaterRule::Auto,
-        WaterMode::Off => WaterRule::Off,
-        WaterMode::Level(z) => WaterRule::Level(z),
-    };
-    field(filler.surveys, filler.plan, &parts, &FieldParams::default(), rule, filler.solver)
-        .map_err(|e| e.to_string())
+    }
+
+    fn fit(&self) -> Result<ClusterField, String> {
+        let filler = self.filler;
+        let rule = match (filler.settings_of)(self.holes[0]).water {
+            WaterMode::Auto => WaterRule::Auto,
+            WaterMode::Off => WaterRule::Off,
+            WaterMode::Level(z) => WaterRule::Level(z),
+        };
+        self.with_parts(|parts| {
+            field(filler.surveys, filler.plan, parts, &self.params(), rule, filler.solver)
+        })
+    }
+
+    /// Calls `work` with the cluster's parts, contours with closing points as the curves have them, not as each tile
+    /// rounds them: neighbours must find theirs again.
+    fn with_parts<T>(
+        &self,
+        work: impl FnOnce(&[FieldPart<'_>]) -> Result<T, FieldError>,
+    ) -> Result<T, String> {
+        let Self { filler, holes, triangulations, curves } = self;
+        let exact = |h: u32| {
+            let hole = &filler.plan.holes[h as usize];
+            contour(filler.surveys, filler.plan, hole, curves, &|p| p).map_err(|e| e.to_string())
+        };
+        let contours: Vec<CellContour> = holes.iter().map(|&h| exact(h)).collect::<Result<_, _>>()?;
+        let parts: Vec<FieldPart<'_>> = holes
+            .iter()
+            .zip(&contours)
+            .filter_map(|(&h, contour)| {
+                let hole = &filler.plan.holes[h as usize];
+                Some(FieldPart { hole, contour, triangulation: triangulations.get(&h)? })
+            })
+            .collect();
+        work(&parts).map_err(|e| e.to_string())
+    }
 }
 
 fn flat<T>(result: JobResult<Result<T, String>>) -> Result<T, String> {

@@ -87,6 +87,7 @@ fn settings_of(configuration: &Value) -> Option<Settings> {
             open: get(fill, "open")?,
             spacing_m: get(fill, "spacing_m")?,
             water: get(fill, "water")?,
+            max_unknowns: get(fill, "max_unknowns")?,
         },
         selection: Selection {
             regions: get(selection, "regions")?,
@@ -115,6 +116,7 @@ mod tests {
         settings.area.limit = AreaLimit::Box;
         settings.selection.at = vec![[1.0, 2.0]];
         settings.fill.spacing_m = Some(0.75);
+        settings.fill.max_unknowns = 5000;
         settings.fill.water = WaterMode::Level(-0.45);
         assert_eq!(settings_of(&settings.to_json()), Some(settings));
         assert_eq!(settings_of(&serde_json::json!({})), None);

@@ -1,0 +1,221 @@
+//! The robust fit of a plate to samples of the ground.
+
+use crate::height_field::FieldParams;
+use crate::plate::Plate;
+use crate::robust::{Kind, REJECTED, ROUNDS, robust_weights};
+use crate::sample::Sample;
+use lacuna_solve::{Factor, SolveError, Solver, SparseSymmetric, Triplet};
+
+/// Smoothing lengths to choose from, rim edges.
+const SMOOTHING_EDGES: [f64; 4] = [0.1, 0.35, 0.7, 1.4];
+/// One datum in so many is held back to choose.
+const HELD_BACK: usize = 5;
+/// Share of the held-back residuals that count: the largest may be outliers.
+const COUNTED_SHARE: f64 = 0.8;
+/// A longer smoothing length must predict better by this share: the shorter one keeps more of the ground.
+const BETTER: f64 = 0.98;
+/// How often tension is raised fourfold.
+const TENSION_STEPS: u32 = 6;
+
+/// What draws the wanted places to a water surface.
+#[derive(Clone, Debug)]
+pub(crate) struct Pull {
+    /// 1 / m4.
+    pub(crate) weight: f64,
+    /// Height of the water at each place, metres.
+    pub(crate) heights: Vec<f64>,
+}
+
+/// What a fit starts from.
+pub(crate) struct Problem<'a> {
+    pub(crate) plate: &'a Plate<'a>,
+    pub(crate) samples: &'a [Sample],
+    /// Places without a datum.
+    pub(crate) is_wanted: &'a [bool],
+    pub(crate) pull: Option<&'a Pull>,
+    pub(crate) params: &'a FieldParams,
+    /// Typical rim edge, metres.
+    pub(crate) edge_m: f64,
+    /// Tension before it is raised, 1 / m2.
+    pub(crate) tension: f64,
+}
+
+/// A fitted surface and how it came about.
+pub(crate) struct Fitted {
+    /// Height at each place, metres.
+    pub(crate) heights_m: Vec<f64>,
+    /// Robust weight of each sample.
+    pub(crate) robust: Vec<f64>,
+    pub(crate) smoothing_edges: f64,
+    pub(crate) tension_steps: u32,
+}
+
+/// Minimises the energy of [`crate::height_field`] over the places of `problem`.
+pub(crate) fn fit(problem: &Problem<'_>, solver: &dyn Solver) -> Result<Fitted, SolveError> {
+    let mut fit = Fit::new(problem, solver)?;
+    let smoothing_edges = match problem.params.smoothing_edges {
+        Some(given) => given,
+        None => fit.best_smoothing()?,
+    };
+    fit.set_smoothing(smoothing_edges);
+    fit.refactor()?;
+    let (heights_m, tension_steps) = fit.solve_guarded()?;
+    Ok(Fitted { heights_m, robust: fit.robust, smoothing_edges, tension_steps })
+}
+
+/// The tension after some steps of raising it.
+pub(crate) fn raised(tension: f64, steps: u32) -> f64 {
+    tension * 4f64.powi(steps as i32)
+}
+
+/// A fit in work.
+struct Fit<'a> {
+    problem: &'a Problem<'a>,
+    /// Smoothing length to the fourth.
+    length4: f64,
+    /// Least standard deviation of the data, metres.
+    floor_m: f64,
+    energy: SparseSymmetric,
+    factor: Box<dyn Factor>,
+    /// Robust weight of each sample.
+    robust: Vec<f64>,
+}
+
+impl<'a> Fit<'a> {
+    fn new(problem: &'a Problem<'a>, solver: &dyn Solver) -> Result<Self, SolveError> {
+        let energy = problem.plate.matrix(problem.tension)?;
+        let length4 = problem.edge_m.powi(4);
+        let robust = vec![1.0; problem.samples.len()];
+        let factor = solver.factor(&energy.plus(data_entries(problem, &robust, length4))?)?;
+        let floor_m = problem.params.noise_floor_edges * problem.edge_m;
+        Ok(Self { problem, length4, floor_m, energy, factor, robust })
+    }
+
+    fn set_smoothing(&mut self, edges: f64) {
+        self.length4 = (edges * self.problem.edge_m).powi(4);
+    }
+
+    /// The smoothing length, in edges, whose surface comes nearest to data that it has not seen: the noise of the rim
+    /// asks for a long one, the shape of the ground for a short one.
+    fn best_smoothing(&mut self) -> Result<f64, SolveError> {
+        let mut best = (SMOOTHING_EDGES[0], f64::INFINITY);
+        for edges in SMOOTHING_EDGES {
+            self.set_smoothing(edges);
+            let error = self.held_back_error()?;
+            if error < BETTER * best.1 {
+                best = (edges, error);
+            }
+        }
+        self.robust.fill(1.0);
+        Ok(best.0)
+    }
+
+    /// Mean residual of held-back data, the largest left out.
+    fn held_back_error(&mut self) -> Result<f64, SolveError> {
+        let held = || (HELD_BACK / 2..self.problem.samples.len()).step_by(HELD_BACK);
+        let hold_back = |robust: &mut Vec<f64>| held().for_each(|k| robust[k] = 0.0);
+        self.robust.fill(1.0);
+        hold_back(&mut self.robust);
+        self.refactor()?;
+        let z = self.solve()?;
+        self.reweight(&z, Kind::Huber);
+        hold_back(&mut self.robust);
+        self.refactor()?;
+        let z = self.solve()?;
+        let mut residuals: Vec<f64> = held().map(|k| self.problem.samples[k].residual_m(&z).abs()).collect();
+        residuals.sort_by(f64::total_cmp);
+        residuals.truncate(((residuals.len() as f64 * COUNTED_SHARE).ceil() as usize).max(1));
+        Ok(residuals.iter().sum::<f64>() / residuals.len().max(1) as f64)
+    }
+
+    /// Solves with more and more tension until the surface keeps to the range of its data; the last one stands.
+    fn solve_guarded(&mut self) -> Result<(Vec<f64>, u32), SolveError> {
+        let mut z = self.solve_robust()?;
+        let mut step = 0;
+        // Water may lie below all its banks.
+        while step < TENSION_STEPS && self.problem.pull.is_none() && !self.is_in_range(&z) {
+            step += 1;
+            self.energy = self.problem.plate.matrix(raised(self.problem.tension, step))?;
+            self.robust.fill(1.0);
+            self.refactor()?;
+            z = self.solve_robust()?;
+        }
+        Ok((z, step))
+    }
+
+    fn solve_robust(&mut self) -> Result<Vec<f64>, SolveError> {
+        let mut z = self.solve()?;
+        for kind in ROUNDS {
+            self.reweight(&z, kind);
+            self.refactor()?;
+            z = self.solve()?;
+        }
+        Ok(z)
+    }
+
+    fn solve(&self) -> Result<Vec<f64>, SolveError> {
+        let mut z = data_load(self.problem, &self.robust, self.length4);
+        self.factor.solve(&mut z)?;
+        Ok(z)
+    }
+
+    fn refactor(&mut self) -> Result<(), SolveError> {
+        let entries = data_entries(self.problem, &self.robust, self.length4);
+        self.factor.refactor(&self.energy.plus(entries)?)
+    }
+
+    fn reweight(&mut self, z: &[f64], kind: Kind) {
+        let residuals: Vec<f64> = self.problem.samples.iter().map(|s| s.residual_m(z)).collect();
+        self.robust = robust_weights(&residuals, kind, self.floor_m);
+    }
+
+    /// True if no height leaves the range of the data that count by more than the share allowed.
+    fn is_in_range(&self, z: &[f64]) -> bool {
+        let problem = self.problem;
+        let counted = problem.samples.iter().zip(&self.robust).filter(|(_, robust)| **robust > 0.5);
+        let heights = counted.map(|(sample, _)| sample.height_m);
+        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+        let slack = problem.params.overshoot * (high - low) + self.floor_m;
+        let mut wanted = z.iter().zip(problem.is_wanted).filter(|(_, is_wanted)| **is_wanted);
+        wanted.all(|(&z, _)| z >= low - slack && z <= high + slack)
+    }
+}
+
+/// Weights of data and water on the matrix, the energy counting once.
+fn data_entries<'a>(
+    problem: &'a Problem<'_>,
+    robust: &'a [f64],
+    length4: f64,
+) -> impl Iterator<Item = Triplet> + 'a {
+    let samples = problem.samples.iter().zip(robust);
+    let of_data = samples.flat_map(move |(s, robust)| s.entries(s.mass_m2 * robust / length4));
+    of_data.chain(pulled(problem).map(|(v, weight, _)| Triplet { row: v, column: v, value: weight }))
+}
+
+/// The right-hand side that data and water make.
+fn data_load(problem: &Problem<'_>, robust: &[f64], length4: f64) -> Vec<f64> {
+    let mut load = vec![0.0; problem.is_wanted.len()];
+    for (sample, robust) in problem.samples.iter().zip(robust) {
+        let weight = sample.mass_m2 * robust / length4;
+        for (&corner, share) in sample.spot.corners.iter().zip(sample.spot.shares) {
+            load[corner as usize] += weight * share * sample.height_m;
+        }
+    }
+    for (v, weight, height_m) in pulled(problem) {
+        load[v as usize] += weight * height_m;
+    }
+    load
+}
+
+/// Places that water draws: place, weight, height.
+fn pulled<'a>(problem: &'a Problem<'_>) -> impl Iterator<Item = (u32, f64, f64)> + 'a {
+    let wanted = (0..problem.is_wanted.len()).filter(|&v| problem.is_wanted[v]);
+    problem.pull.into_iter().flat_map(move |pull| {
+        wanted.clone().map(|v| (v as u32, pull.weight * problem.plate.mass_m2[v], pull.heights[v]))
+    })
+}
+
+/// Share of the samples that a fit took for outliers.
+pub(crate) fn outlier_share(robust: &[f64]) -> f64 {
+    robust.iter().filter(|r| **r <= REJECTED).count() as f64 / robust.len().max(1) as f64
+}
