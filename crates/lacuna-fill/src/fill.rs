@@ -201,7 +201,7 @@ pub(crate) fn check_direction(contour: &Contour) -> Result<(), FillError> {
 const LARGEST_COORDINATE_M: f64 = 1e12;
 
 /// True if the rim's triangles look up over nearly all of its length, or the contour itself is level (algorithms B.7).
-pub(crate) fn is_plan_trusted(contour: &Contour) -> bool {
+fn is_plan_trusted(contour: &Contour) -> bool {
     if level(contour) >= LEVEL {
         return true;
     }
@@ -220,6 +220,15 @@ pub(crate) fn is_plan_trusted(contour: &Contour) -> bool {
         }
     }
     total > 0.0 && upright >= UPRIGHT_SHARE * total
+}
+
+/// Whether a contour is taken from above, and with pockets or without: the decision list of [`fill`] without its other
+/// views. Steep contours that a tilted plane shows are left to it.
+pub(crate) fn pockets_from_above(contour: &Contour) -> Option<Pockets> {
+    if is_plan_trusted(contour) {
+        return Some(Pockets::Cut);
+    }
+    (level(contour) > UPRIGHT && best_fit_frame(contour).is_none()).then_some(Pockets::Refused)
 }
 
 /// Checks the patch and gathers its facts; nothing leaves this crate unchecked.

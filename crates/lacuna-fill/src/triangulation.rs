@@ -1,9 +1,8 @@
 //! A patch in two steps: its triangles in plan first, its heights when somebody knows them.
 
-use crate::fill::{check_direction, check_input, finish, is_plan_trusted};
+use crate::fill::{check_direction, check_input, finish, pockets_from_above};
 use crate::frame::Frame;
 use crate::lift::{Lifted, mesh_in_frame, with_pockets};
-use crate::plan::Pockets;
 use crate::weld::weld;
 use crate::{FillError, FillParams, Filled, Filler};
 use glam::DVec2;
@@ -30,8 +29,8 @@ impl Triangulation {
     }
 }
 
-/// Triangulates a contour seen from above (algorithms E.2, E.3): pockets cut, constrained Delaunay, refined to the wanted
-/// density, smoothed in plan. The filler in `params` is not asked.
+/// Triangulates a contour seen from above (algorithms E.2, E.3): pockets cut where the view is trusted, constrained Delaunay,
+/// refined to the wanted density, smoothed in plan. The filler in `params` is not asked.
 ///
 /// # Errors
 /// [`FillError`], above all if the contour can't be seen from above; [`crate::fill`] may still take it.
@@ -39,12 +38,10 @@ pub fn triangulate_in_plan(contour: &Contour, params: &FillParams) -> Result<Tri
     let triangulate = || {
         check_input(contour, params)?;
         check_direction(contour)?;
-        if !is_plan_trusted(contour) {
-            return Err(FillError::UprightRim);
-        }
+        let pockets = pockets_from_above(contour).ok_or(FillError::UprightRim)?;
         let rim = weld(contour)?;
         let frame = Frame::plan(&contour.positions());
-        let (mesh, plan) = mesh_in_frame(&rim, frame, Pockets::Cut, params)?;
+        let (mesh, plan) = mesh_in_frame(&rim, frame, pockets, params)?;
         let world = |p: &DVec2| frame.world(p.extend(0.0)).truncate();
         let vertices = mesh.points[mesh.fixed..].iter().map(world).collect();
         let (triangles, vertical) = with_pockets(mesh.topology.triangles(), &plan.pockets);
