@@ -2,9 +2,11 @@
 
 use crate::Curves;
 use crate::contour::{Source, closing_source};
+use crate::flat_water::flat_water;
 use crate::height_field::{FieldError, FieldParams, HeightField, height_field, height_field_bytes};
 use crate::region::{ClusterRegion, FieldPart, Joint, cluster_region, rim_points};
-use crate::water::{Water, given_water, water};
+use crate::sloped_water::sloped_water;
+use crate::water::{RimPoint, Water, forced_water, given_water, water};
 use lacuna_hole::{Plan, Surveys};
 use lacuna_mesh::PlaneFit;
 use lacuna_solve::Solver;
@@ -38,11 +40,40 @@ pub enum WaterRule {
     Auto,
     /// No.
     Off,
+    /// Yes, at the level that its rim comes nearest to.
+    Force,
     /// Yes, at this height, metres.
     Level(f64),
+    /// Yes, and it falls along the hole between these heights, metres: see [`sloped_water`].
+    Sloped {
+        /// At one end.
+        from_m: f64,
+        /// At the other.
+        to_m: f64,
+    },
 }
 
-/// Fits one surface over all parts of a cluster; it settles on a level if the cluster is water.
+impl WaterRule {
+    /// The water of a hole with this rim; `width_m` is the hole's width, `edge_m` the length of its rim edges.
+    #[must_use]
+    pub fn water(self, rim: &[RimPoint], width_m: f64, edge_m: f64) -> Option<Water> {
+        match self {
+            Self::Off => None,
+            Self::Auto => water(rim, width_m, edge_m),
+            Self::Force => forced_water(rim),
+            Self::Level(level_m) => Some(given_water(rim, PlaneFit { level_m, ..PlaneFit::default() })),
+            Self::Sloped { from_m, to_m } => Some(given_water(rim, sloped_water(rim, from_m, to_m))),
+        }
+    }
+
+    /// True if somebody says that it is water: then it lies flat up to the rim.
+    fn is_certain(self) -> bool {
+        !matches!(self, Self::Off | Self::Auto)
+    }
+}
+
+/// Fits one surface over all parts of a cluster. It settles on a level if the rim shows one ([`WaterRule::Auto`]); water
+/// that is known to be some lies flat up to the rim.
 ///
 /// # Errors
 /// [`FieldError`]; the cluster can still be filled by `layered`.
@@ -58,16 +89,14 @@ pub fn field(
         return Err(FieldError::OtherContour);
     }
     let ClusterRegion { mut region, new, joints } = cluster_region(surveys, plan, parts);
-    region.water = match rule {
-        WaterRule::Off => None,
-        WaterRule::Auto => water(&rim_points(parts), 2.0 * region.radius_m, region.edge_m),
-        WaterRule::Level(level_m) => {
-            let plane = PlaneFit { level_m, ..PlaneFit::default() };
-            Some(given_water(&rim_points(parts), plane))
-        }
-    };
+    region.water = rule.water(&rim_points(parts), 2.0 * region.radius_m, region.edge_m);
     let HeightField { heights_m, outlier_share, tension_steps, smoothing_edges, unknowns } =
-        height_field(&region, params, solver)?;
+        match region.water {
+            Some(water) if rule.is_certain() => {
+                HeightField { heights_m: flat_water(&region, &water.plane), ..HeightField::default() }
+            }
+            _ => height_field(&region, params, solver)?,
+        };
     let height = |v: u32| heights_m.get(v as usize).copied();
     let heights = |ids: &Vec<u32>| ids.iter().map(|&v| height(v).ok_or(FieldError::LooseVertex)).collect();
     Ok(ClusterField {

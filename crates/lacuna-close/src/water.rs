@@ -51,9 +51,18 @@ pub fn water(rim: &[RimPoint], width_m: f64, edge_m: f64) -> Option<Water> {
     }
     let level = supported(rim, envelope(rim, DVec2::ZERO));
     level.or_else(|| {
-        let axis = long_axis(rim)?;
-        supported(rim, envelope(rim, axis))
+        let axis = principal_axis(rim).filter(|axis| axis.elongation >= LONG)?;
+        supported(rim, envelope(rim, axis.direction))
     })
+}
+
+/// The water of a hole that is known to be water: as [`water`] finds it, else level on the rim's lower envelope, whatever
+/// part of the rim that is; `support` and `residual_m` tell how far it can be trusted. `None` without a rim.
+#[must_use]
+pub fn forced_water(rim: &[RimPoint]) -> Option<Water> {
+    // The width does not matter: a narrow ditch is water too.
+    let found = water(rim, f64::INFINITY, 0.0);
+    found.or_else(|| (!rim.is_empty()).then(|| given_water(rim, envelope(rim, DVec2::ZERO))))
 }
 
 /// The water with a given plane, as the rim sees it.
@@ -85,15 +94,25 @@ fn envelope(rim: &[RimPoint], axis: DVec2) -> PlaneFit {
     let mut plane = fit(rim, axis, |_| 1.0);
     for round in 0..ROUNDS {
         let off = |p: &RimPoint| p.position.z - plane.at(p.position.truncate());
-        let side = |r: f64| if r < 0.0 { 1.0 - QUANTILE } else { QUANTILE };
-        // First the quantile, then the mean of what lies near it.
-        plane = if round < ROUNDS / 2 {
-            fit(rim, axis, |p| side(off(p)) / off(p).abs().max(0.01))
-        } else {
-            fit(rim, axis, |p| f64::from(u8::from(off(p).abs() <= NEAR_M)))
-        };
+        // First the quantile, then the mean of what lies near it, if anything does.
+        if round < ROUNDS / 2 {
+            plane = fit(rim, axis, |p| quantile_side(off(p)) / off(p).abs().max(0.01));
+        } else if rim.iter().any(|p| off(p).abs() <= NEAR_M) {
+            plane = fit(rim, axis, |p| f64::from(u8::from(off(p).abs() <= NEAR_M)));
+        }
     }
     plane
+}
+
+/// How badly a plane fits the lower envelope of a rim: the quantile loss that [`water`] minimises.
+pub(crate) fn envelope_loss(rim: &[RimPoint], plane: &PlaneFit) -> f64 {
+    let off = |p: &RimPoint| p.position.z - plane.at(p.position.truncate());
+    rim.iter().map(|p| p.length_m * quantile_side(off(p)) * off(p).abs()).sum()
+}
+
+/// Weight of a residual: what lies below the envelope counts four times as much as what lies above it.
+fn quantile_side(residual_m: f64) -> f64 {
+    if residual_m < 0.0 { 1.0 - QUANTILE } else { QUANTILE }
 }
 
 /// Weighted least squares of a height and a slope along `axis`.
@@ -114,8 +133,16 @@ fn fit(rim: &[RimPoint], axis: DVec2, weight: impl Fn(&RimPoint) -> f64) -> Plan
     PlaneFit { centre: mean.truncate(), level_m: mean.z, slope }
 }
 
-/// Direction of the longer principal axis of a rim that is long.
-fn long_axis(rim: &[RimPoint]) -> Option<DVec2> {
+/// The direction in which a rim is longest.
+pub(crate) struct PrincipalAxis {
+    /// Of length 1.
+    pub(crate) direction: DVec2,
+    /// Length over width: square root of the ratio of the second moments.
+    elongation: f64,
+}
+
+/// The longer principal axis of a rim in plan; `None` if it has none, as a circle.
+pub(crate) fn principal_axis(rim: &[RimPoint]) -> Option<PrincipalAxis> {
     let total: f64 = rim.iter().map(|p| p.length_m).sum();
     let mean = rim.iter().map(|p| p.position.truncate() * p.length_m).sum::<DVec2>() / total;
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
@@ -126,12 +153,10 @@ fn long_axis(rim: &[RimPoint]) -> Option<DVec2> {
     }
     let (half, root) = ((xx + yy) / 2.0, (((xx - yy) / 2.0).powi(2) + xy * xy).sqrt());
     let [long, short] = [half + root, half - root];
-    if long < LONG * LONG * short.max(0.0) {
-        return None;
-    }
     // Of the two rows of the eigenvector's equation the one with the larger numbers.
     let axis = if xx > yy { DVec2::new(long - yy, xy) } else { DVec2::new(xy, long - xx) };
-    axis.try_normalize()
+    let elongation = (long / short.max(1e-12 * long)).sqrt();
+    axis.try_normalize().map(|direction| PrincipalAxis { direction, elongation })
 }
 
 #[cfg(test)]
@@ -189,5 +214,22 @@ mod tests {
         assert!(water(&lake, 100.0, 1.0).is_some());
         assert_eq!(water(&lake, 19.0, 1.0), None);
         assert_eq!(water(&[], 100.0, 1.0), None);
+    }
+
+    #[test]
+    fn known_water_has_a_level_whatever_the_rim_says() {
+        // Quay walls all round but for a slip: a sixth of the rim.
+        let basin = rim(ROUND, |k, _| if k % 6 == 0 { -0.45 } else { 1.0 + 2.0 * noise(k).abs() });
+        assert_eq!(water(&basin, 100.0, 1.0), None);
+        let found = forced_water(&basin).expect("known water");
+        assert!(found.plane.level_m < 1.2 && found.plane.slope == DVec2::ZERO, "{found:?}");
+        assert!(found.support < SUPPORT, "{found:?}");
+        // A step with nothing between: the level stays finite.
+        let step = rim(ROUND, |k, _| if k % 5 == 0 { 0.0 } else { 5.0 });
+        let level = forced_water(&step).expect("known water").plane.level_m;
+        assert!((-0.1..5.1).contains(&level), "{level}");
+        let lake = rim(ROUND, |k, _| 3.0 + 0.05 * noise(k));
+        assert_eq!(forced_water(&lake), water(&lake, 100.0, 1.0));
+        assert_eq!(forced_water(&[]), None);
     }
 }
