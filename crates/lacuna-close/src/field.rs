@@ -73,7 +73,7 @@ impl WaterRule {
 }
 
 /// Fits one surface over all parts of a cluster. It settles on a level if the rim shows one ([`WaterRule::Auto`]); water
-/// that is known to be some lies flat up to the rim.
+/// that is known to be some, or that passes beneath islands, lies flat up to the rim.
 ///
 /// # Errors
 /// [`FieldError`]; the cluster can still be filled by `layered`.
@@ -92,7 +92,7 @@ pub fn field(
     region.water = rule.water(&rim_points(parts), 2.0 * region.radius_m, region.edge_m);
     let HeightField { heights_m, outlier_share, tension_steps, smoothing_edges, unknowns } =
         match region.water {
-            Some(water) if rule.is_certain() => {
+            Some(water) if rule.is_certain() || parts.iter().any(|p| !p.hole.passed_under.is_empty()) => {
                 HeightField { heights_m: flat_water(&region, &water.plane), ..HeightField::default() }
             }
             _ => height_field(&region, params, solver)?,

@@ -189,7 +189,8 @@ impl<'a> Builder<'a> {
         islands: Vec<u32>,
     ) {
         let fit = &self.options.fit;
-        let (class, external_share) = classify(&work.domain, &work.coverage, raw, islands.len(), fit.gap_m);
+        let class_of = |islands| classify(&work.domain, &work.coverage, raw, islands, fit.gap_m);
+        let (class, external_share) = class_of(islands.len());
         let hole = self.holes.len();
         let mut outer = Vec::new();
         for (k, piece) in raw.iter().enumerate() {
@@ -209,6 +210,8 @@ impl<'a> Builder<'a> {
             layer: 1,
             outer,
             islands,
+            passed_under: Vec::new(),
+            class_without_islands: Some(class_of(0).0),
             external_share,
             is_external: external_share > 0.0,
             area_m2: polygon.area_m2,
@@ -276,6 +279,8 @@ impl<'a> Builder<'a> {
             layer: 1,
             outer: vec![Piece::Rim(l.edges.clone())],
             islands,
+            passed_under: Vec::new(),
+            class_without_islands: Some(HoleClass::Closed),
             external_share: 0.0,
             is_external: false,
             area_m2: if upright { space_area } else { polygon.area_m2 },

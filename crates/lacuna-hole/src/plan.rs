@@ -130,6 +130,13 @@ pub struct Hole {
     pub outer: Vec<Piece>,
     /// Loops (by index into the survey's loops) of the islands inside.
     pub islands: Vec<u32>,
+    /// Loops of islands that the patch passes beneath: no part of the hole's outline. Found after planning, and not part of
+    /// the plan that is written.
+    #[serde(skip)]
+    pub passed_under: Vec<u32>,
+    /// Class of the hole without its islands, while the run lasts.
+    #[serde(skip)]
+    pub class_without_islands: Option<HoleClass>,
     /// Share of its border that lies on the area's edge.
     pub external_share: f64,
     /// True if it reaches the area's edge, or the area's polygon leaves it out.
@@ -157,6 +164,23 @@ impl Hole {
         });
         let islands = self.islands.iter().map(|&l| &survey.loops[l as usize].edges);
         rims.chain(islands).flatten().copied()
+    }
+
+    /// Takes islands out of the hole: the patch passes beneath them. Class, area, perimeter and rim change with them.
+    pub fn pass_under(&mut self, survey: &CellSurvey, islands: &[u32]) {
+        let is_passed = |l: &u32| islands.contains(l);
+        for island in self.islands.iter().filter(|l| is_passed(l)).map(|&l| &survey.loops[l as usize]) {
+            self.area_m2 += island.vector_area.z.abs();
+            self.perimeter_m -= island.length_m;
+            self.rim_vertices -= island.edges.len() as u32;
+        }
+        self.passed_under.extend(self.islands.iter().copied().filter(is_passed));
+        self.islands.retain(|l| !is_passed(l));
+        if self.islands.is_empty()
+            && let Some(class) = self.class_without_islands
+        {
+            self.class = class;
+        }
     }
 }
 
