@@ -5,8 +5,9 @@ use super::keys;
 use super::memory::MemoryLimit;
 use super::settings::{
     ClosedFiller, External, FailOn, HoleClassFilter, HoleShapeFilter, MethodName, OpenFiller, Untouched,
-    UpAxis, WaterMode,
+    UpAxis,
 };
+use super::water::{WaterIslands, WaterMode};
 use ron::error::{Error, SpannedError};
 use ron::extensions::Extensions;
 use serde::de::Error as _;
@@ -121,6 +122,9 @@ pub(crate) struct FieldSection {
 pub(crate) struct WaterSection {
     #[serde(deserialize_with = "finite_level")]
     pub(crate) mode: Option<WaterMode>,
+    pub(crate) polygons: Option<PathBuf>,
+    #[serde(deserialize_with = "positive_area")]
+    pub(crate) islands: Option<WaterIslands>,
 }
 
 /// One of `regions`.
@@ -195,8 +199,15 @@ fn enough_unknowns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<
 
 fn finite_level<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<WaterMode>, D::Error> {
     match Option::<WaterMode>::deserialize(deserializer)? {
-        Some(WaterMode::Level(z)) if !z.is_finite() => {
-            Err(D::Error::custom("a level must be a finite number"))
+        Some(mode) if !mode.is_finite() => Err(D::Error::custom("a level must be a finite number")),
+        other => Ok(other),
+    }
+}
+
+fn positive_area<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<WaterIslands>, D::Error> {
+    match Option::<WaterIslands>::deserialize(deserializer)? {
+        Some(WaterIslands::Under { max_area_m2 }) if !(max_area_m2.is_finite() && max_area_m2 > 0.0) => {
+            Err(D::Error::custom("max_area_m2 must be above 0"))
         }
         other => Ok(other),
     }

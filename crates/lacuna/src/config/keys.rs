@@ -16,7 +16,7 @@ const fn key(section: &'static str, name: &'static str, meaning: &'static str) -
 }
 
 /// All keys of this version.
-pub(crate) const KEYS: [Key; 39] = [
+pub(crate) const KEYS: [Key; 44] = [
     key("", "version", "the number 1"),
     key("", "scene", "a section such as (input: \"tiles\", output: \"out\")"),
     key("", "area", "a section such as (limit: cells, external: skip)"),
@@ -50,7 +50,16 @@ pub(crate) const KEYS: [Key; 39] = [
     key("fill", "open", "auto or delaunay"),
     key("fill", "spacing_m", "a length in metres, such as 0.5"),
     key("field", "max_unknowns", "a count of vertices, at least 1000, such as 400_000"),
-    key("water", "mode", "auto, off or level(height in metres), such as level(-0.45)"),
+    key("water", "mode", WATER),
+    key("water", "polygons", "a GeoJSON file in quotes, such as \"gis/water.geojson\""),
+    key(
+        "water",
+        "islands",
+        "join, or under(max_area_m2: area in square metres), such as under(max_area_m2: 400)",
+    ),
+    key("sloped", "from_m", "a height in metres, such as 1.25"),
+    key("sloped", "to_m", "a height in metres, such as 0.8"),
+    key("under", "max_area_m2", "an area in square metres, such as 400"),
     key("regions", "name", "a name in quotes"),
     key(
         "regions",
@@ -59,11 +68,15 @@ pub(crate) const KEYS: [Key; 39] = [
     ),
     key("regions", "skip", "the reason in quotes"),
     key("regions", "fill", "a section such as (method: field)"),
-    key("regions", "water", "auto, off or level(height in metres), such as level(-0.45)"),
+    key("regions", "water", WATER),
 ];
 
+/// What says whether there is water, and how high.
+const WATER: &str =
+    "auto, off, force, level(height in metres), such as level(-0.45), or sloped(from_m: 1.25, to_m: 0.8)";
+
 /// Keys of the design that later versions bring.
-const LATER: [&str; 5] = ["facade", "gap", "islands", "polygons", "solver"];
+const LATER: [&str; 3] = ["facade", "gap", "solver"];
 
 /// What to say about a key that its section does not know.
 ///

@@ -8,6 +8,7 @@ mod polygon;
 mod resolve;
 mod settings;
 pub(crate) mod values;
+mod water;
 
 pub(crate) use keys::nearest;
 
@@ -17,6 +18,7 @@ pub use polygon::{Frame, PolygonFile};
 pub use settings::{
     AreaLimit, AreaSettings, ClosedFiller, External, FailOn, FillSettings, FindSettings, HoleClassFilter,
     HoleShapeFilter, MethodName, OpenFiller, ProgressMode, Region, RegionPlace, RunSettings, SceneSettings,
-    Selection, Settings, Untouched, UpAxis, WaterMode,
+    Selection, Settings, Untouched, UpAxis,
 };
 pub use values::AreaArgument;
+pub use water::{WaterFile, WaterIslands, WaterMode, WaterPolygon};

@@ -22,6 +22,16 @@ pub enum Frame {
     Srs(String),
 }
 
+impl Frame {
+    /// What the report calls it.
+    pub(super) fn word(&self) -> &str {
+        match self {
+            Self::Scene => "scene",
+            Self::Srs(name) => name,
+        }
+    }
+}
+
 /// The polygons of one GeoJSON file. In the report it is a hash over its coordinates: no path stands there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolygonFile {
@@ -46,24 +56,17 @@ impl PolygonFile {
     fn parse(text: &str, path: &Path) -> Result<Self, String> {
         let document: GeoJson = text.parse().map_err(|e| format!("no GeoJSON: {e}"))?;
         let mut rings = Vec::new();
-        let foreign = match &document {
-            GeoJson::Geometry(geometry) => {
-                collect(geometry, &mut rings)?;
-                geometry.foreign_members.as_ref()
-            }
-            GeoJson::Feature(feature) => {
-                collect_feature(feature, &mut rings)?;
-                feature.foreign_members.as_ref()
-            }
+        match &document {
+            GeoJson::Geometry(geometry) => collect(geometry, &mut rings)?,
+            GeoJson::Feature(feature) => collect_feature(feature, &mut rings)?,
             GeoJson::FeatureCollection(all) => {
                 all.features.iter().try_for_each(|feature| collect_feature(feature, &mut rings))?;
-                all.foreign_members.as_ref()
             }
-        };
+        }
         if rings.is_empty() {
             return Err("holds no polygon; draw at least one".to_owned());
         }
-        Ok(Self { path: path.to_owned(), frame: frame(foreign)?, rings })
+        Ok(Self { path: path.to_owned(), frame: frame(foreign_members(&document))?, rings })
     }
 
     /// The polygons in scene coordinates. `srs_origin` is what is added to scene coordinates to get SRS coordinates.
@@ -93,17 +96,14 @@ impl Serialize for PolygonFile {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(3))?;
         map.serialize_entry("rings", &self.rings.len())?;
-        let frame = match &self.frame {
-            Frame::Scene => "scene",
-            Frame::Srs(name) => name,
-        };
-        map.serialize_entry("coordinates", frame)?;
+        map.serialize_entry("coordinates", self.frame.word())?;
         map.serialize_entry("blake3", &self.hash())?;
         map.end()
     }
 }
 
-fn read_text(path: &Path) -> Result<String, ConfigError> {
+/// The text of a polygon file.
+pub(super) fn read_text(path: &Path) -> Result<String, ConfigError> {
     let fail = |source| ConfigError::Read { path: path.to_owned(), source };
     let mut text = String::new();
     File::open(path).map_err(fail)?.take(MAX_BYTES + 1).read_to_string(&mut text).map_err(fail)?;
@@ -118,7 +118,8 @@ fn collect_feature(feature: &Feature, rings: &mut Vec<Vec<[f64; 2]>>) -> Result<
     feature.geometry.as_ref().map_or(Ok(()), |geometry| collect(geometry, rings))
 }
 
-fn collect(geometry: &Geometry, rings: &mut Vec<Vec<[f64; 2]>>) -> Result<(), String> {
+/// Adds the rings of all polygons of a geometry.
+pub(super) fn collect(geometry: &Geometry, rings: &mut Vec<Vec<[f64; 2]>>) -> Result<(), String> {
     match &geometry.value {
         GeometryValue::Polygon { coordinates } => add_rings(coordinates, rings),
         GeometryValue::MultiPolygon { coordinates } => {
@@ -153,8 +154,17 @@ fn point(position: &Position) -> Result<[f64; 2], String> {
     }
 }
 
+/// The members of a document that GeoJSON does not know.
+pub(super) fn foreign_members(document: &GeoJson) -> Option<&JsonObject> {
+    match document {
+        GeoJson::Geometry(geometry) => geometry.foreign_members.as_ref(),
+        GeoJson::Feature(feature) => feature.foreign_members.as_ref(),
+        GeoJson::FeatureCollection(all) => all.foreign_members.as_ref(),
+    }
+}
+
 /// Reads the `crs` member of old GeoJSON, such as `{"type": "name", "properties": {"name": "EPSG:28992"}}`.
-fn frame(members: Option<&JsonObject>) -> Result<Frame, String> {
+pub(super) fn frame(members: Option<&JsonObject>) -> Result<Frame, String> {
     let Some(crs) = members.and_then(|m| m.get("crs")).filter(|crs| !crs.is_null()) else {
         return Ok(Frame::Scene);
     };

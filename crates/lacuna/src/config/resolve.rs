@@ -11,6 +11,7 @@ use super::settings::{
     SceneSettings, Selection, Settings,
 };
 use super::values::AreaArgument;
+use super::water::WaterFile;
 use crate::cli::{Cli, Command, FillArgs, FindArgs, RunArgs, SceneArgs, SelectionArgs};
 use std::collections::BTreeSet;
 use std::fs;
@@ -67,9 +68,11 @@ impl Settings {
         let default = FillSettings::default();
         let base = FillSettings {
             water: file.water.mode.unwrap_or_default(),
+            islands: file.water.islands.unwrap_or_default(),
             max_unknowns: file.field.max_unknowns.unwrap_or(default.max_unknowns),
             ..default
         };
+        let water_file = |path: &PathBuf| WaterFile::read(&folder.join(path));
         let fill = fill(&file.fill, base);
         let settings = Self {
             scene: scene(&file.scene, &arguments, &folder),
@@ -80,6 +83,7 @@ impl Settings {
             run: run(&file.run, &arguments, machine),
             find: find(&file.find, &arguments.find),
             fill: fill_flags(&arguments.fill, fill)?,
+            water_polygons: file.water.polygons.as_ref().map(water_file).transpose()?,
             regions: regions(&file.regions, &arguments.fill, fill, &folder)?,
             selection: selection(&arguments.selection)?,
         };
@@ -102,6 +106,7 @@ impl Settings {
             "area": self.area,
             "find": self.find,
             "fill": self.fill,
+            "water_polygons": self.water_polygons,
             "regions": self.regions,
             "selection": self.selection,
         })
@@ -114,7 +119,8 @@ impl Settings {
             AreaLimit::Polygon(file) => Some(file.path.display().to_string()),
             AreaLimit::Cells | AreaLimit::Box => None,
         };
-        serde_json::json!({ "run": self.run, "area_file": area_file })
+        let water_file = self.water_polygons.as_ref().map(|file| file.path.display().to_string());
+        serde_json::json!({ "run": self.run, "area_file": area_file, "water_file": water_file })
     }
 }
 
@@ -253,8 +259,7 @@ fn fill(file: &FillSection, base: FillSettings) -> FillSettings {
         closed: file.closed.unwrap_or(base.closed),
         open: file.open.unwrap_or(base.open),
         spacing_m: file.spacing_m.or(base.spacing_m),
-        water: base.water,
-        max_unknowns: base.max_unknowns,
+        ..base
     }
 }
 
@@ -268,8 +273,7 @@ fn fill_flags(flags: &FillArgs, base: FillSettings) -> Result<FillSettings, Conf
         closed: flags.closed.unwrap_or(base.closed),
         open: flags.open.unwrap_or(base.open),
         spacing_m: flags.spacing.or(base.spacing_m),
-        water: base.water,
-        max_unknowns: base.max_unknowns,
+        ..base
     })
 }
 
@@ -290,6 +294,7 @@ fn regions(
                     flags,
                     fill(&section.fill, FillSettings { water: section.water.unwrap_or(base.water), ..base }),
                 )?,
+                water: section.water,
             })
         })
         .collect()

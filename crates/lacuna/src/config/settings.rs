@@ -1,6 +1,7 @@
 //! The resolved configuration: defaults, then the file, then flags.
 
 use super::polygon::PolygonFile;
+use super::water::{WaterFile, WaterIslands, WaterMode};
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -246,19 +247,6 @@ pub struct FindSettings {
     pub shape: Vec<HoleShapeFilter>,
 }
 
-/// How water is filled.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum WaterMode {
-    /// A level where the rim shows one.
-    #[default]
-    Auto,
-    /// As any other ground.
-    Off,
-    /// At this height, metres.
-    Level(f64),
-}
-
 /// Places that one solve of method `field` may have by default: about half a gibibyte.
 const MAX_UNKNOWNS: usize = 400_000;
 
@@ -275,6 +263,8 @@ pub struct FillSettings {
     pub spacing_m: Option<f64>,
     /// Whether the surface settles on a level (method `field`).
     pub water: WaterMode,
+    /// Surface that hangs in water.
+    pub islands: WaterIslands,
     /// Places that one solve may have (method `field`); larger clusters are solved on a coarser triangulation first, then
     /// block by block.
     pub max_unknowns: usize,
@@ -288,6 +278,7 @@ impl Default for FillSettings {
             open: OpenFiller::default(),
             spacing_m: None,
             water: WaterMode::default(),
+            islands: WaterIslands::default(),
             max_unknowns: MAX_UNKNOWNS,
         }
     }
@@ -316,6 +307,8 @@ pub struct Region {
     pub skip: Option<String>,
     /// Fill settings here: those of the scene, overridden.
     pub fill: FillSettings,
+    /// What it says of water itself: that comes before the water polygons, they before the scene's mode.
+    pub water: Option<WaterMode>,
 }
 
 /// Which clusters a run is limited to; all empty = the whole scene.
@@ -352,6 +345,8 @@ pub struct Settings {
     pub find: FindSettings,
     /// Fillers.
     pub fill: FillSettings,
+    /// Polygons that are water.
+    pub water_polygons: Option<WaterFile>,
     /// Parts with settings of their own, in the file's order.
     pub regions: Vec<Region>,
     /// Part of the scene that the run is limited to.

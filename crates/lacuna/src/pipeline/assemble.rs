@@ -11,10 +11,10 @@ use crate::report::{
     CellDrawing, CellStatus, ClusterDrawing, ClusterRecord, Drawing, HoleClass, HoleDrawing, HoleRecord,
     HoleShape, Outcome, SceneRecord, SeamRecord,
 };
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use lacuna_close::Water;
 use lacuna_grid::CellId;
-use lacuna_hole::{BorderMode, Plan};
+use lacuna_hole::{BorderMode, CellSurvey, Plan};
 use lacuna_tile::Scene;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -105,6 +105,7 @@ pub(crate) fn hole_records(
                 area_m2: hole.area_m2,
                 perimeter_m: hole.perimeter_m,
                 rim_vertices: u64::from(hole.rim_vertices),
+                islands_passed_under: if is_filled { hole.passed_under.len() as u64 } else { 0 },
                 outcome: outcome.outcome,
                 reason: outcome.reason.clone().or_else(|| fill.and_then(instead_of_field)),
                 method: fill.map(|f| f.method.word().to_owned()),
@@ -145,7 +146,7 @@ pub(crate) fn cluster_records(
     names: &Names,
     outcomes: &[HoleOutcome],
     water: &BTreeMap<u32, Water>,
-    srs_origin: DVec2,
+    srs_origin: DVec3,
 ) -> Vec<ClusterRecord> {
     plan.clusters
         .iter()
@@ -160,7 +161,7 @@ pub(crate) fn cluster_records(
                 .find(|o| o.outcome != Outcome::Filled)
                 .cloned()
                 .unwrap_or(HoleOutcome::new(Outcome::Filled, None));
-            let place = cluster.centre + srs_origin;
+            let place = cluster.centre + srs_origin.truncate();
             let water = water.get(&(c as u32)).filter(|_| outcome.outcome == Outcome::Filled);
             ClusterRecord {
                 id: names.clusters[c].clone(),
@@ -169,7 +170,8 @@ pub(crate) fn cluster_records(
                 tiles: tiles.into_iter().collect(),
                 area_m2: cluster.area_m2,
                 layers: cluster.layers,
-                level_m: water.map(|w| w.plane.at(cluster.centre)),
+                level_m: water.map(|w| w.plane.at(cluster.centre) + srs_origin.z),
+                level_support: water.map(|w| w.support),
                 level_residual_m: water.map(|w| w.residual_m),
                 outcome: outcome.outcome,
                 reason: outcome.reason,
@@ -256,19 +258,22 @@ pub(crate) fn drawing(plan: &Plan, scanned: &Scanned, names: &Names, outcomes: &
     cells.sort_by_key(|c| (c.index[1], c.index[0]));
     let holes = plan.holes.iter().enumerate().map(|(h, hole)| {
         let points = |ring: &[DVec2]| ring.iter().map(|p| p.to_array()).collect::<Vec<_>>();
+        let survey = scanned.surveys.get(&hole.cell);
+        let outlines = |islands: &[u32]| -> Vec<Vec<[f64; 2]>> {
+            let of_survey = |s: &CellSurvey, l: u32| {
+                s.loops[l as usize].edges.iter().map(|&e| s.from(e).truncate().to_array()).collect()
+            };
+            survey.map_or_else(Vec::new, |s| islands.iter().map(|&l| of_survey(s, l)).collect())
+        };
         let mut rings = vec![points(&hole.outline)];
-        if let Some(survey) = scanned.surveys.get(&hole.cell) {
-            for &island in &hole.islands {
-                let edges = &survey.loops[island as usize].edges;
-                rings.push(edges.iter().map(|&e| survey.from(e).truncate().to_array()).collect());
-            }
-        }
+        rings.extend(outlines(&hole.islands));
         HoleDrawing {
             id: names.holes[h].id.clone(),
             class: class(hole.class),
             shape: shape(hole.class),
             layer: hole.layer,
             rings,
+            passed_under: outlines(&hole.passed_under),
             outcome: outcomes[h].outcome,
         }
     });

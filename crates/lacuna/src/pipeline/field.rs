@@ -191,11 +191,7 @@ impl Fit<'_> {
 
     fn fit(&self) -> Result<ClusterField, String> {
         let filler = self.filler;
-        let rule = match (filler.settings_of)(self.holes[0]).water {
-            WaterMode::Auto => WaterRule::Auto,
-            WaterMode::Off => WaterRule::Off,
-            WaterMode::Level(z) => WaterRule::Level(z),
-        };
+        let rule = water_rule((filler.settings_of)(self.holes[0]).water);
         self.with_parts(|parts| {
             field(filler.surveys, filler.plan, parts, &self.params(), rule, filler.solver)
         })
@@ -222,6 +218,17 @@ impl Fit<'_> {
             })
             .collect();
         work(&parts).map_err(|e| e.to_string())
+    }
+}
+
+/// What a mode in scene heights says of a cluster.
+pub(crate) fn water_rule(mode: WaterMode) -> WaterRule {
+    match mode {
+        WaterMode::Auto => WaterRule::Auto,
+        WaterMode::Off => WaterRule::Off,
+        WaterMode::Force => WaterRule::Force,
+        WaterMode::Level(z) => WaterRule::Level(z),
+        WaterMode::Sloped { from_m, to_m } => WaterRule::Sloped { from_m, to_m },
     }
 }
 

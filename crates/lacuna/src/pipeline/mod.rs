@@ -20,6 +20,7 @@ mod run;
 mod scan;
 mod select;
 mod solve;
+mod water_places;
 mod write;
 
 pub use error::RunError;

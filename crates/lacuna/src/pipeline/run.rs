@@ -4,6 +4,7 @@ use super::RunError;
 use super::area::area;
 use super::assemble::{cluster_records, drawing, hole_records, outcomes, scene_record, seam_record};
 use super::context::{Context, Stages, Stopwatch};
+use super::field::water_rule;
 use super::frames::{Frames, SeamFacts};
 use super::hollow::hollow_tiles;
 use super::manifest::{InputFile, MANIFEST, Manifest, OutputFile, write_whole};
@@ -17,13 +18,15 @@ use super::solve::{Fills, Solved, solve};
 use super::write::{WriteInput, WrittenFiles, hex, write};
 use crate::ExitCode;
 use crate::Interrupt;
-use crate::config::{FailOn, Settings};
+use crate::config::{FailOn, FillSettings, MethodName, Settings, WaterIslands};
 use crate::progress::Progress;
 use crate::report::{DefectRecord, Drawing, Execution, Outcome, REPORT_VERSION, Report, Summary};
-use glam::DVec2;
+use glam::DVec3;
+use lacuna_close::hovering_islands;
 use lacuna_grid::CellId;
-use lacuna_hole::{ClusterRule, Plan, PlanOptions, fit_borders, plan};
+use lacuna_hole::{ClusterRule, Hole, Plan, PlanOptions, fit_borders, plan};
 use lacuna_tile::{Scene, SceneError, SceneOptions, TileFormat, open_scene};
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::UNIX_EPOCH;
@@ -49,7 +52,10 @@ struct Planned {
     places: Places,
     /// Template cell and relative path of the tile of every hollow cell.
     hollow: BTreeMap<CellId, (CellId, String)>,
-    srs_origin: DVec2,
+    /// Holes as they were planned whose islands the water passes beneath, by number.
+    as_planned: BTreeMap<u32, Hole>,
+    /// Added to scene coordinates to get SRS coordinates.
+    srs_origin: DVec3,
 }
 
 /// Finds and classifies all holes of a scene; writes no tile. With `report` the report, page and maps go into that folder.
@@ -102,7 +108,8 @@ pub fn repair(
     let mut stages = Stages::default();
     let out = out_dir::take(&settings.scene.input, out)?;
     refuse_partial_rerun(settings, &out)?;
-    let planned = scan_and_plan(&context, &mut stages)?;
+    let mut planned = scan_and_plan(&context, &mut stages)?;
+    pass_under_islands(&mut planned, settings);
     let solved = context.interrupt.end_at_once_during(|| fill(&planned, &context, &mut stages))?;
     context.check_stop()?;
     let mut manifest = start_manifest(&planned, &context);
@@ -155,9 +162,9 @@ pub(crate) fn scene_error(error: SceneError) -> RunError {
 fn make_plan(scene: Scene, scanned: Scanned, context: &Context<'_>) -> Result<Planned, RunError> {
     let settings = context.settings;
     let origin = settings.scene.srs_origin.or_else(|| scene.metadata.as_ref().map(|m| m.srs_origin));
-    let srs_origin = origin.map_or(DVec2::ZERO, |o| DVec2::new(o[0], o[1]));
+    let srs_origin = origin.map_or(DVec3::ZERO, DVec3::from);
     let fit = fit_borders(&scanned.surveys, &scanned.grid.grid);
-    let area = area(&scanned, &settings.area.limit, srs_origin, fit.margin_m)?;
+    let area = area(&scanned, &settings.area.limit, srs_origin.truncate(), fit.margin_m)?;
     let unreadable = scanned.unreadable_cells(&area.cells);
     let options = PlanOptions {
         grid: scanned.grid.grid,
@@ -171,14 +178,38 @@ fn make_plan(scene: Scene, scanned: Scanned, context: &Context<'_>) -> Result<Pl
     let hollow = hollow_tiles(&scene, &scanned.tiles, plan.domains.keys());
     let hollow_names: BTreeMap<CellId, String> =
         hollow.iter().map(|(c, (_, path))| (*c, stem(path))).collect();
-    let names = Names::new(&plan, &scanned.tiles, &hollow_names, srs_origin);
+    let names = Names::new(&plan, &scanned.tiles, &hollow_names, srs_origin.truncate());
     let places = Places::new(settings, srs_origin);
     let hollow_names = hollow_names.values().map(String::as_str);
     let known_tiles = scene.groups.iter().map(|g| g.name.as_str()).chain(hollow_names).collect();
     refuse_unmatched(&plan, &names, &known_tiles, settings, &places)?;
     warn_unmatched(&plan, &names, settings, &places);
     let decisions = select(&plan, &names, settings, &places);
-    Ok(Planned { scene, scanned, plan, names, decisions, places, hollow, srs_origin })
+    let as_planned = BTreeMap::new();
+    Ok(Planned { scene, scanned, plan, names, decisions, places, hollow, as_planned, srs_origin })
+}
+
+/// Takes the islands that hover over water out of the holes that are to be filled (decisions 23).
+fn pass_under_islands(planned: &mut Planned, settings: &Settings) {
+    let surveys = &planned.scanned.surveys;
+    for c in 0..planned.plan.clusters.len() {
+        let fill = fill_settings(&planned.plan, c, settings, &planned.places);
+        let WaterIslands::Under { max_area_m2 } = fill.islands else { continue };
+        if planned.decisions[c] != Decision::Fill || fill.method != MethodName::Field {
+            continue;
+        }
+        let rule = water_rule(fill.water);
+        let cluster = &planned.plan.clusters[c];
+        for (h, islands) in hovering_islands(surveys, &planned.plan, cluster, rule, max_area_m2) {
+            let hole = &mut planned.plan.holes[h as usize];
+            planned.as_planned.insert(h, hole.clone());
+            if let Some(survey) = surveys.get(&hole.cell) {
+                hole.pass_under(survey, &islands);
+            }
+        }
+        let area = |h: &u32| planned.plan.holes[*h as usize].area_m2;
+        planned.plan.clusters[c].area_m2 = planned.plan.clusters[c].holes.iter().map(area).sum();
+    }
 }
 
 fn stem(path: &str) -> String {
@@ -195,10 +226,9 @@ fn fill(planned: &Planned, context: &Context<'_>, stages: &mut Stages) -> Result
         .filter(|(_, d)| **d == Decision::Fill)
         .flat_map(|(c, _)| c.holes.iter().copied())
         .collect();
-    let settings_of = |hole: u32| {
-        let cluster = planned.plan.holes[hole as usize].cluster as usize;
-        fill_settings(&planned.plan, cluster, context.settings, &planned.places)
-    };
+    let of_cluster = |cluster| fill_settings(&planned.plan, cluster, context.settings, &planned.places);
+    let of_clusters: Vec<FillSettings> = (0..planned.plan.clusters.len()).map(of_cluster).collect();
+    let settings_of = |hole: u32| of_clusters[planned.plan.holes[hole as usize].cluster as usize];
     let frames = frames(planned);
     solve(&planned.scanned.surveys, &planned.plan, &frames, &todo, &settings_of, context, stages)
 }
@@ -400,7 +430,11 @@ fn exit_code(report: &Report, fail_on: FailOn, tile_refused: bool) -> ExitCode {
 }
 
 fn write_plan(planned: &Planned, out: &OutDir) -> Result<(), RunError> {
-    let plan = serde_json::to_string_pretty(&planned.plan).map_err(|e| RunError::failed(e.to_string()))?;
+    let mut plan = Cow::Borrowed(&planned.plan);
+    for (&h, hole) in &planned.as_planned {
+        plan.to_mut().holes[h as usize] = hole.clone();
+    }
+    let plan = serde_json::to_string_pretty(&*plan).map_err(|e| RunError::failed(e.to_string()))?;
     write_whole(&out.own.join("plan.json"), plan.as_bytes())
 }
 

@@ -2,12 +2,13 @@
 
 use super::RunError;
 use super::names::Names;
+use super::water_places::WaterPlaces;
 use crate::config::nearest;
 use crate::config::{
-    External, FillSettings, HoleClassFilter, HoleShapeFilter, Region, RegionPlace, Settings,
+    External, FillSettings, HoleClassFilter, HoleShapeFilter, Region, RegionPlace, Settings, WaterFile,
 };
 use crate::geometry::PolygonSet;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use lacuna_hole::{Hole, HoleClass, HoleCluster, HoleShape, Plan};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,18 +23,24 @@ pub(crate) enum Decision {
 pub(crate) struct Places {
     /// For each region, by number: its polygons, if it is given by a file.
     regions: BTreeMap<usize, PolygonSet>,
+    /// The water polygons.
+    water: WaterPlaces,
     /// Added to scene coordinates to get SRS coordinates.
     srs_origin: DVec2,
+    /// Added to scene heights to get SRS heights.
+    srs_height_m: f64,
 }
 
 impl Places {
-    /// Moves the polygons of the regions into the scene.
-    pub(crate) fn new(settings: &Settings, srs_origin: DVec2) -> Self {
+    /// Moves the polygons of the regions, and those of water, into the scene.
+    pub(crate) fn new(settings: &Settings, origin: DVec3) -> Self {
+        let (srs_origin, srs_height_m) = (origin.truncate(), origin.z);
         let polygons = settings.regions.iter().enumerate().filter_map(|(k, r)| match &r.at {
             RegionPlace::Polygon(file) => Some((k, file.in_scene(srs_origin))),
             _ => None,
         });
-        Self { regions: polygons.collect(), srs_origin }
+        let water = WaterPlaces::new(settings.water_polygons.as_ref(), srs_origin, srs_height_m);
+        Self { regions: polygons.collect(), water, srs_origin, srs_height_m }
     }
 
     /// A place that a user names is in SRS coordinates, as reports print it; scene coordinates are understood too.
@@ -95,20 +102,53 @@ pub(crate) fn warn_unmatched(plan: &Plan, names: &Names, settings: &Settings, pl
             tracing::warn!("region {}: no hole lies in it", region.name.escape_debug());
         }
     }
+    if let Some(file) = &settings.water_polygons {
+        warn_unused_water(plan, file, &places.water);
+    }
     let touched = |listed: &BTreeSet<String>| names.holes.iter().any(|h| listed.contains(&h.tile));
     if selection.cells.as_ref().is_some_and(|listed| !touched(listed)) {
         tracing::warn!("--cells: no hole touches the tiles that are listed");
     }
 }
 
-/// Fill settings of a cluster: those of the last region that it lies in, else the scene's.
+/// Most features that a warning names.
+const NAMED_FEATURES: usize = 5;
+
+fn warn_unused_water(plan: &Plan, file: &WaterFile, water: &WaterPlaces) {
+    let unused = water.unused(plan);
+    if unused.is_empty() {
+        return;
+    }
+    let path = file.path.display();
+    if unused.len() == water.len() {
+        tracing::warn!(
+            "{path}: no hole lies in its water polygons; check that its coordinates are the scene's, or give it a `crs`"
+        );
+        return;
+    }
+    let named: Vec<String> = unused.iter().take(NAMED_FEATURES).map(usize::to_string).collect();
+    let more = if unused.len() > NAMED_FEATURES { " ..." } else { "" };
+    tracing::warn!(
+        "{path}: {} of {} water polygons hold no hole (features {}{more}, counted from 0)",
+        unused.len(),
+        water.len(),
+        named.join(", ")
+    );
+}
+
+/// Fill settings of a cluster: those of the last region that it lies in, else the scene's. What is said of water: by that
+/// region, else by the water polygon that holds most of the cluster, else for the scene; in scene heights.
 pub(crate) fn fill_settings(
     plan: &Plan,
     cluster: usize,
     settings: &Settings,
     places: &Places,
 ) -> FillSettings {
-    last_region(plan, cluster, settings, places).map_or(settings.fill, |r| r.fill)
+    let region = last_region(plan, cluster, settings, places);
+    let of_polygon = || places.water.mode(plan, &plan.clusters[cluster]);
+    let said = region.and_then(|r| r.water).or_else(of_polygon).unwrap_or(settings.fill.water);
+    let fill = region.map_or(settings.fill, |r| r.fill);
+    FillSettings { water: said.lowered(places.srs_height_m), ..fill }
 }
 
 fn last_region<'a>(

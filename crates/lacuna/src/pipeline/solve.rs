@@ -229,6 +229,7 @@ impl HoleFiller<'_> {
     }
 
     fn fill_one(&self, hole: u32, curves: &Curves) -> Result<FilledHole, NotFilled> {
+        self.refuse_dry_islands(hole)?;
         let contour = self.contour(hole, curves)?;
         let filled = match self.fields.holes.get(&hole) {
             Some(field) => raise(&contour.contour, &field.triangulation, &field.new_m),
@@ -250,6 +251,17 @@ impl HoleFiller<'_> {
             },
             instead_of_field: self.instead_of_field(hole, filled.filler),
         })
+    }
+
+    /// Beneath islands only water passes: no other surface is known to lie below their rims.
+    fn refuse_dry_islands(&self, hole: u32) -> Result<(), NotFilled> {
+        match self.fields.refused.get(&hole) {
+            Some(why) if !self.plan.holes[hole as usize].passed_under.is_empty() => Err(NotFilled {
+                is_refusal: true,
+                reason: format!("no water can pass beneath its islands: {why}; set water: (islands: join)"),
+            }),
+            _ => Ok(()),
+        }
     }
 
     /// Why a hole seen from above has no field though it should; other fillers need none.

@@ -13,7 +13,7 @@ const LOW_QUALITY: f64 = 0.9;
 /// One thing to look at.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attention {
-    /// `failed`, `tile`, `seam`, `largest`, `quality`, `edge`.
+    /// `failed`, `tile`, `seam`, `largest`, `quality`, `islands`, `edge`.
     pub topic: &'static str,
     /// A sentence; names in it are as the input has them, to be escaped by whoever shows it.
     pub text: String,
@@ -21,8 +21,8 @@ pub struct Attention {
     pub id: Option<String>,
 }
 
-/// What to look at first: failures, bad tiles, seams that do not meet, the largest lakes, the worst patches, and what
-/// was left at the edge of the area. Ties go by the report's order.
+/// What to look at first: failures, bad tiles, seams that do not meet, the largest lakes, the worst patches, islands that
+/// keep an open rim, and what was left at the edge of the area. Ties go by the report's order.
 #[must_use]
 pub fn attention(report: &Report) -> Vec<Attention> {
     let mut list = failures(report);
@@ -30,6 +30,7 @@ pub fn attention(report: &Report) -> Vec<Attention> {
     list.extend(open_seams(report));
     list.extend(largest(report));
     list.extend(lowest_quality(report));
+    list.extend(passed_under(report));
     list.extend(left_at_the_edge(report));
     list
 }
@@ -101,6 +102,15 @@ fn lowest_quality(report: &Report) -> Option<Attention> {
         judged.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share < LOW_QUALITY)?;
     let text = format!("{:.0} % of the patch's triangles are well shaped", share * 100.0);
     Some(Attention { topic: "quality", text, id: Some(hole.id.clone()) })
+}
+
+fn passed_under(report: &Report) -> Option<Attention> {
+    let holes: Vec<&HoleRecord> = report.holes.iter().filter(|h| h.islands_passed_under > 0).collect();
+    let first = holes.first()?;
+    let islands = numbers::count(holes.iter().map(|h| h.islands_passed_under).sum(), "island", "islands");
+    let holes = numbers::count(holes.len() as u64, "hole", "holes");
+    let text = format!("{islands} over the water of {holes}: the water passes beneath");
+    Some(Attention { topic: "islands", text, id: Some(first.id.clone()) })
 }
 
 fn left_at_the_edge(report: &Report) -> Option<Attention> {

@@ -71,6 +71,8 @@ pub struct HoleDrawing {
     pub layer: u32,
     /// Outline in plan, without a repeated last point: the outer ring counter-clockwise, then islands clockwise.
     pub rings: Vec<Vec<[f64; 2]>>,
+    /// Outlines of the islands that the patch passes beneath.
+    pub passed_under: Vec<Vec<[f64; 2]>>,
     /// What became of it.
     pub outcome: Outcome,
 }

@@ -9,7 +9,7 @@ use serde_json::json;
 use std::collections::BTreeMap;
 
 /// The holes as polygons, in the report's order; properties are the report's record of each. A hole without an
-/// outline has no geometry.
+/// outline has no geometry. `passed_under` holds the outlines of the islands that the patch passes beneath, if there are any.
 ///
 /// Coordinates are scene coordinates. If the scene's SRS is an EPSG code they are SRS coordinates (scene + SRS origin),
 /// and a `crs` member names it (decisions 5). Rounded to millimetres.
@@ -20,11 +20,16 @@ pub fn holes_geojson(report: &Report, drawing: &Drawing) -> Result<String, serde
     let frame = Frame::of(&report.scene);
     let drawings: BTreeMap<&str, &HoleDrawing> = drawing.holes.iter().map(|h| (h.id.as_str(), h)).collect();
     let features = report.holes.iter().map(|hole| {
-        let properties = match serde_json::to_value(hole)? {
+        let mut properties = match serde_json::to_value(hole)? {
             serde_json::Value::Object(properties) => properties,
             _ => JsonObject::new(),
         };
-        let geometry = drawings.get(hole.id.as_str()).and_then(|drawing| frame.polygon(&drawing.rings));
+        let drawing = drawings.get(hole.id.as_str());
+        let geometry = drawing.and_then(|drawing| frame.polygon(&drawing.rings));
+        if let Some(drawing) = drawing.filter(|d| !d.passed_under.is_empty()) {
+            let rings: Vec<_> = drawing.passed_under.iter().filter_map(|ring| frame.ring(ring)).collect();
+            properties.insert("passed_under".to_owned(), json!(rings));
+        }
         Ok(feature(&hole.id, geometry, properties))
     });
     collection(&frame, features)

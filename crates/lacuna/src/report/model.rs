@@ -147,9 +147,12 @@ pub struct ClusterRecord {
     pub area_m2: f64,
     /// Highest layer of its holes.
     pub layers: u32,
-    /// Level of the water, where one was used.
+    /// Level of the water at (x, y), where one was used; SRS height where the scene has an SRS.
     #[serde(with = "milli_option")]
     pub level_m: Option<f64>,
+    /// Share of the rim's length that lies within 0.15 m of it.
+    #[serde(with = "micro_option", default)]
+    pub level_support: Option<f64>,
     /// How far the rim lies from the level where it lies near it: root mean square.
     #[serde(with = "milli_option", default)]
     pub level_residual_m: Option<f64>,
@@ -184,6 +187,9 @@ pub struct HoleRecord {
     pub perimeter_m: f64,
     /// Vertices of the rim.
     pub rim_vertices: u64,
+    /// Islands in it that the patch passes beneath: they keep an open rim.
+    #[serde(default)]
+    pub islands_passed_under: u64,
     /// What became of it.
     pub outcome: Outcome,
     /// Why it was skipped or failed.

@@ -53,7 +53,7 @@ fn settings_of(configuration: &Value) -> Option<Settings> {
         Some("box") => AreaLimit::Box,
         _ => return None,
     };
-    if !configuration["regions"].as_array()?.is_empty() {
+    if !configuration["regions"].as_array()?.is_empty() || !configuration["water_polygons"].is_null() {
         return None;
     }
     let (scene, find, fill, selection) = (
@@ -88,6 +88,7 @@ fn settings_of(configuration: &Value) -> Option<Settings> {
             spacing_m: get(fill, "spacing_m")?,
             water: get(fill, "water")?,
             max_unknowns: get(fill, "max_unknowns")?,
+            islands: get(fill, "islands")?,
         },
         selection: Selection {
             regions: get(selection, "regions")?,
@@ -106,7 +107,7 @@ fn get<T: DeserializeOwned>(object: &Value, key: &str) -> Option<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::WaterMode;
+    use crate::config::{WaterIslands, WaterMode};
 
     #[test]
     fn settings_come_back_from_the_report() {
@@ -117,7 +118,8 @@ mod tests {
         settings.selection.at = vec![[1.0, 2.0]];
         settings.fill.spacing_m = Some(0.75);
         settings.fill.max_unknowns = 5000;
-        settings.fill.water = WaterMode::Level(-0.45);
+        settings.fill.water = WaterMode::Sloped { from_m: 1.5, to_m: -0.45 };
+        settings.fill.islands = WaterIslands::Under { max_area_m2: 400.0 };
         assert_eq!(settings_of(&settings.to_json()), Some(settings));
         assert_eq!(settings_of(&serde_json::json!({})), None);
     }

@@ -3,6 +3,7 @@
 use super::accounts::check_marks;
 use super::files::Files;
 use super::holes_left::{FilledHole, check_filled};
+use super::islands::check_islands;
 use super::layout::{Layout, append, median};
 use super::originals::{Mark, compare};
 use super::overlap::CellStrips;
@@ -103,6 +104,18 @@ fn check_geometry(
         tolerance_m: layout.tolerance_m(),
     };
     found.patches.take(check_patches(&check));
+    let islands: Vec<_> =
+        filled.iter().filter_map(|hole| Some((hole.id, context.records.islands.get(hole.id)?))).collect();
+    found.patches.take(check_islands(&changed.tile, &islands, cell, &boundary));
+    for hole in holes {
+        let passed = context.records.islands.get(&hole.id).map_or(0, |i| i.passed_under.len() as u64);
+        if passed != hole.islands_passed_under {
+            found.marks.offend(format!(
+                "{} ({}): the report counts {} islands passed under, the map holds {passed}",
+                changed.tile, hole.id, hole.islands_passed_under
+            ));
+        }
+    }
     found.border.tile.clone_from(&changed.tile);
     found.border.edges = layout.border_edges(changed.cell, &boundary, |face| cell.owner[face] != ORIGINAL);
     if layout.fit.mode == BorderMode::Overrun {

@@ -7,6 +7,7 @@ mod cell;
 mod digest;
 mod files;
 mod holes_left;
+mod islands;
 mod layout;
 mod originals;
 mod overlap;

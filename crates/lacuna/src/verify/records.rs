@@ -34,6 +34,17 @@ pub(super) struct Records {
     pub(super) report: Report,
     /// Outlines of the holes in scene coordinates, islands as further rings, by id.
     pub(super) outlines: BTreeMap<String, PolygonSet>,
+    /// Outlines of their islands, by id.
+    pub(super) islands: BTreeMap<String, IslandOutlines>,
+}
+
+/// The islands of a hole.
+#[derive(Debug, Default)]
+pub(super) struct IslandOutlines {
+    /// Those that the patch joins.
+    pub(super) joined: Vec<Vec<DVec2>>,
+    /// Those that it passes beneath.
+    pub(super) passed_under: Vec<Vec<DVec2>>,
 }
 
 impl Records {
@@ -52,8 +63,10 @@ impl Records {
         }
         let report: Report = read_json(&own.join("report.json"))?;
         let map: serde_json::Value = read_json(&own.join("holes.geojson"))?;
-        let outlines = outlines(&map, shift(&report));
-        Ok(Self { manifest, report, outlines })
+        let shift = shift(&report);
+        let outlines = outlines(&map, shift);
+        let islands = islands(&map, &outlines, shift);
+        Ok(Self { manifest, report, outlines, islands })
     }
 
     /// True if untouched tiles were left out of OUT on purpose.
@@ -91,6 +104,23 @@ fn outlines(map: &serde_json::Value, shift: DVec2) -> BTreeMap<String, PolygonSe
         Some((id, PolygonSet { rings }))
     };
     features.iter().filter_map(outline).collect()
+}
+
+fn islands(
+    map: &serde_json::Value,
+    outlines: &BTreeMap<String, PolygonSet>,
+    shift: DVec2,
+) -> BTreeMap<String, IslandOutlines> {
+    let features = map["features"].as_array().into_iter().flatten();
+    let of_hole = |feature: &serde_json::Value| {
+        let id = feature["id"].as_str()?.to_owned();
+        let passed = feature["properties"]["passed_under"].as_array().into_iter().flatten();
+        let passed_under = passed.map(|ring| ring_of(ring, shift)).collect::<Option<_>>()?;
+        let joined =
+            outlines.get(&id).map_or_else(Vec::new, |set| set.rings.iter().skip(1).cloned().collect());
+        Some((id, IslandOutlines { joined, passed_under }))
+    };
+    features.filter_map(of_hole).collect()
 }
 
 /// A ring without its repeated last point.

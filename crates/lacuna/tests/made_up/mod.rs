@@ -111,6 +111,7 @@ fn hole(&(cluster, cell, class, shape, layer, place, outcome): &Row) -> HoleReco
         area_m2: width * height,
         perimeter_m: 2.0 * (width + height),
         rim_vertices: 37,
+        islands_passed_under: 0,
         outcome,
         reason: reason(outcome),
         method: is_filled.then(|| "layered".to_owned()),
@@ -152,6 +153,7 @@ fn clusters(holes: &[HoleRecord]) -> Vec<ClusterRecord> {
             area_m2: hole.area_m2,
             layers: hole.layer,
             level_m: None,
+            level_support: None,
             level_residual_m: None,
             outcome: hole.outcome,
             reason: hole.reason.clone(),
@@ -183,6 +185,7 @@ pub(crate) fn drawing(with_hillshade: bool) -> Drawing {
         shape,
         layer,
         rings: outline(rect(cell), place, shape == Some(HoleShape::D)),
+        passed_under: vec![],
         outcome,
     });
     let lake =
