@@ -3,7 +3,8 @@
 use crate::field::WaterRule;
 use crate::water::{RimPoint, Water};
 use lacuna_hole::{CellSurvey, Hole, HoleCluster, LoopSurvey, Piece, Plan, Span, Surveys};
-use std::collections::BTreeMap;
+use lacuna_mesh::PointId;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A rim whose lowest vertex is higher than this over the water is clear of it, metres: what lies nearer is on the water.
 const CLEAR_M: f64 = 0.15;
@@ -12,7 +13,8 @@ const CLEAR_M: f64 = 0.15;
 /// cluster is no water by `rule`.
 ///
 /// Steps: the water's plane from the rims without islands (those of boats tell nothing of it, and are what is asked);
-/// then each island whose plan area is at most `max_area_m2` and all of whose rim is higher than 0.15 m over the plane.
+/// then each island whose plan area is at most `max_area_m2` and all of whose rim is higher than 0.15 m over the plane, but
+/// for those that touch the shore, or an island that stays, in a vertex: the patch joins it there.
 #[must_use]
 pub fn hovering_islands(
     surveys: &Surveys,
@@ -33,10 +35,33 @@ pub fn hovering_islands(
             let island = &survey.loops[l as usize];
             island.vector_area.z.abs() <= max_area_m2 && hovers_over(survey, island, &water)
         };
-        let list: Vec<u32> = hole.islands.iter().copied().filter(is_clear).collect();
+        let clear: BTreeSet<u32> = hole.islands.iter().copied().filter(is_clear).collect();
+        let list = apart(survey, hole, clear);
         (!list.is_empty()).then_some((h, list))
     });
     hovering.collect()
+}
+
+/// Those of some islands of a hole that touch nothing which the patch joins, ascending.
+fn apart(survey: &CellSurvey, hole: &Hole, mut islands: BTreeSet<u32>) -> Vec<u32> {
+    let vertices = |edges: &[u32]| -> Vec<PointId> {
+        let ends = |&e: &u32| [survey.boundary.edges[e as usize].from, survey.boundary.edges[e as usize].to];
+        edges.iter().flat_map(ends).collect()
+    };
+    let of_island = |l: u32| vertices(&survey.loops[l as usize].edges);
+    let rims = hole.outer.iter().filter_map(|piece| match piece {
+        Piece::Rim(edges) => Some(vertices(edges)),
+        Piece::Side { .. } | Piece::Bridge => None,
+    });
+    let mut joined: BTreeSet<PointId> = rims.flatten().collect();
+    joined.extend(hole.islands.iter().filter(|l| !islands.contains(l)).flat_map(|&l| of_island(l)));
+    while let Some(touching) =
+        islands.iter().copied().find(|&l| of_island(l).iter().any(|p| joined.contains(p)))
+    {
+        islands.remove(&touching);
+        joined.extend(of_island(touching));
+    }
+    islands.into_iter().collect()
 }
 
 /// The middles of the rim edges round a hole, its own and its neighbours', islands left out.
