@@ -221,6 +221,12 @@ fn errors_of_the_file_show_the_place() {
             "box inside out",
             "(version: 1, scene: (input: \"a\", output: \"b\"), regions: [(name: \"a\", at: box(9, 0, 1, 2))])",
         ),
+        ("unknown word of water", "(version: 1, water: (mode: flat))"),
+        ("slope with one end", "(version: 1, water: (mode: sloped(from_m: 1.5)))"),
+        ("slope with a wrong key", "(version: 1, water: (mode: sloped(from: 1.5, to_m: 1.0)))"),
+        ("level that is none", "(version: 1, water: (mode: level(inf)))"),
+        ("islands without an area", "(version: 1, water: (islands: under(max_area_m2: 0)))"),
+        ("water file missing", "(version: 1, water: (polygons: \"gis/none.geojson\"))"),
         ("polygon file missing", "(version: 1, area: (limit: polygon(\"gis/none.geojson\")))"),
     ];
     let mut text = String::new();

@@ -207,7 +207,7 @@ fn finite_level<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Wat
 fn positive_area<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<WaterIslands>, D::Error> {
     match Option::<WaterIslands>::deserialize(deserializer)? {
         Some(WaterIslands::Under { max_area_m2 }) if !(max_area_m2.is_finite() && max_area_m2 > 0.0) => {
-            Err(D::Error::custom("max_area_m2 must be above 0"))
+            Err(D::Error::custom("must be above 0"))
         }
         other => Ok(other),
     }
