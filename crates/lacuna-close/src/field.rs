@@ -65,15 +65,9 @@ impl WaterRule {
             Self::Sloped { from_m, to_m } => Some(given_water(rim, sloped_water(rim, from_m, to_m))),
         }
     }
-
-    /// True if somebody says that it is water: then it lies flat up to the rim.
-    fn is_certain(self) -> bool {
-        !matches!(self, Self::Off | Self::Auto)
-    }
 }
 
-/// Fits one surface over all parts of a cluster. It settles on a level if the rim shows one ([`WaterRule::Auto`]); water
-/// that is known to be some, or that passes beneath islands, lies flat up to the rim.
+/// Fits one surface over all parts of a cluster. Where that is water, by `rule`, it is the water's plane up to the rim.
 ///
 /// # Errors
 /// [`FieldError`]; the cluster can still be filled by `layered`.
@@ -90,13 +84,12 @@ pub fn field(
     }
     let ClusterRegion { mut region, new, joints } = cluster_region(surveys, plan, parts);
     region.water = rule.water(&rim_points(parts), 2.0 * region.radius_m, region.edge_m);
-    let HeightField { heights_m, outlier_share, tension_steps, smoothing_edges, unknowns } =
-        match region.water {
-            Some(water) if rule.is_certain() || parts.iter().any(|p| !p.hole.passed_under.is_empty()) => {
-                HeightField { heights_m: flat_water(&region, &water.plane), ..HeightField::default() }
-            }
-            _ => height_field(&region, params, solver)?,
-        };
+    let HeightField { heights_m, outlier_share, tension_steps, smoothing_edges, unknowns } = match &region
+        .water
+    {
+        Some(water) => HeightField { heights_m: flat_water(&region, &water.plane), ..HeightField::default() },
+        None => height_field(&region, params, solver)?,
+    };
     let height = |v: u32| heights_m.get(v as usize).copied();
     let heights = |ids: &Vec<u32>| ids.iter().map(|&v| height(v).ok_or(FieldError::LooseVertex)).collect();
     Ok(ClusterField {

@@ -11,8 +11,8 @@ const BANK_EDGES: f64 = 0.75;
 /// vertex than three quarters of the median rim edge (seen from above) stand between its height and the plane, in
 /// proportion to their distance.
 ///
-/// The rim's slopes are not continued: between quay walls they say nothing of the water, and who gives a level expects
-/// the water at that level. Nothing is solved, and no height depends on another one.
+/// The rim's slopes are not continued: between quay walls they say nothing of the water, and a wall on a part of the shore
+/// must not lift the lake. Nothing is solved, and no height depends on another one.
 #[must_use]
 pub(crate) fn flat_water(region: &Region, plane: &PlaneFit) -> Vec<f64> {
     let Shore { nearest, median_edge_m } = Shore::new(region);
