@@ -82,11 +82,9 @@ pub fn field(
     if parts.iter().any(|p| p.contour.contour.len() != p.triangulation.contour_vertices) {
         return Err(FieldError::OtherContour);
     }
-    let ClusterRegion { mut region, new, joints } = cluster_region(surveys, plan, parts);
-    region.water = rule.water(&rim_points(parts), 2.0 * region.radius_m, region.edge_m);
-    let HeightField { heights_m, outlier_share, tension_steps, smoothing_edges, unknowns } = match &region
-        .water
-    {
+    let ClusterRegion { region, new, joints } = cluster_region(surveys, plan, parts);
+    let water = rule.water(&rim_points(parts), 2.0 * region.radius_m, region.edge_m);
+    let HeightField { heights_m, outlier_share, tension_steps, smoothing_edges, unknowns } = match &water {
         Some(water) => HeightField { heights_m: flat_water(&region, &water.plane), ..HeightField::default() },
         None => height_field(&region, params, solver)?,
     };
@@ -100,7 +98,7 @@ pub fn field(
         outlier_share,
         tension_steps,
         smoothing_edges,
-        water: region.water,
+        water,
     })
 }
 

@@ -17,22 +17,12 @@ const BETTER: f64 = 0.98;
 /// How often tension is raised fourfold.
 const TENSION_STEPS: u32 = 6;
 
-/// What draws the wanted places to a water surface.
-#[derive(Clone, Debug)]
-pub(crate) struct Pull {
-    /// 1 / m4.
-    pub(crate) weight: f64,
-    /// Height of the water at each place, metres.
-    pub(crate) heights: Vec<f64>,
-}
-
 /// What a fit starts from.
 pub(crate) struct Problem<'a> {
     pub(crate) plate: &'a Plate<'a>,
     pub(crate) samples: &'a [Sample],
     /// Places without a datum.
     pub(crate) is_wanted: &'a [bool],
-    pub(crate) pull: Option<&'a Pull>,
     pub(crate) params: &'a FieldParams,
     /// Typical rim edge, metres.
     pub(crate) edge_m: f64,
@@ -132,8 +122,7 @@ impl<'a> Fit<'a> {
     fn solve_guarded(&mut self) -> Result<(Vec<f64>, u32), SolveError> {
         let mut z = self.solve_robust()?;
         let mut step = 0;
-        // Water may lie below all its banks.
-        while step < TENSION_STEPS && self.problem.pull.is_none() && !self.is_in_range(&z) {
+        while step < TENSION_STEPS && !self.is_in_range(&z) {
             step += 1;
             self.energy = self.problem.plate.matrix(raised(self.problem.tension, step))?;
             self.robust.fill(1.0);
@@ -181,18 +170,17 @@ impl<'a> Fit<'a> {
     }
 }
 
-/// Weights of data and water on the matrix, the energy counting once.
+/// What the data add to the matrix of the energy.
 fn data_entries<'a>(
     problem: &'a Problem<'_>,
     robust: &'a [f64],
     length4: f64,
 ) -> impl Iterator<Item = Triplet> + 'a {
     let samples = problem.samples.iter().zip(robust);
-    let of_data = samples.flat_map(move |(s, robust)| s.entries(s.mass_m2 * robust / length4));
-    of_data.chain(pulled(problem).map(|(v, weight, _)| Triplet { row: v, column: v, value: weight }))
+    samples.flat_map(move |(s, robust)| s.entries(s.mass_m2 * robust / length4))
 }
 
-/// The right-hand side that data and water make.
+/// The right-hand side that the data make.
 fn data_load(problem: &Problem<'_>, robust: &[f64], length4: f64) -> Vec<f64> {
     let mut load = vec![0.0; problem.is_wanted.len()];
     for (sample, robust) in problem.samples.iter().zip(robust) {
@@ -201,18 +189,7 @@ fn data_load(problem: &Problem<'_>, robust: &[f64], length4: f64) -> Vec<f64> {
             load[corner as usize] += weight * share * sample.height_m;
         }
     }
-    for (v, weight, height_m) in pulled(problem) {
-        load[v as usize] += weight * height_m;
-    }
     load
-}
-
-/// Places that water draws: place, weight, height.
-fn pulled<'a>(problem: &'a Problem<'_>) -> impl Iterator<Item = (u32, f64, f64)> + 'a {
-    let wanted = (0..problem.is_wanted.len()).filter(|&v| problem.is_wanted[v]);
-    problem.pull.into_iter().flat_map(move |pull| {
-        wanted.clone().map(|v| (v as u32, pull.weight * problem.plate.mass_m2[v], pull.heights[v]))
-    })
 }
 
 /// Share of the samples that a fit took for outliers.

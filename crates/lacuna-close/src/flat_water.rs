@@ -101,7 +101,7 @@ mod tests {
         places[side as usize + 1] += shift;
         let quads = (0..n).flat_map(|j| (0..n).map(move |i| j * side + i));
         let triangles = quads.flat_map(|k| [[k, k + 1, k + side + 1], [k, k + side + 1, k + side]]).collect();
-        Region { places, triangles, data, edge_m: 1.0, radius_m: f64::from(n) / 2.0, water: None }
+        Region { places, triangles, data, edge_m: 1.0, radius_m: f64::from(n) / 2.0 }
     }
 
     #[test]

@@ -1,12 +1,11 @@
 //! One surface over the whole hole of a cluster: a robust thin plate with tension (algorithms D.3).
 
 use crate::coarsen::coarsen;
-use crate::fit::{Problem, Pull, fit, outlier_share};
+use crate::fit::{Problem, fit, outlier_share, raised};
 use crate::plate::Plate;
 use crate::refine::{Refinement, refine};
 use crate::rim_join::join_rim;
 use crate::sample::{Sample, Spot};
-use crate::water::Water;
 use glam::DVec2;
 use lacuna_mesh::{Fans, PlaneFit};
 use lacuna_solve::{SolveError, Solver};
@@ -25,8 +24,6 @@ pub struct Region {
     pub edge_m: f64,
     /// Radius of the largest disk that fits into the hole, about, metres.
     pub radius_m: f64,
-    /// The surface that the hole settles on, if it is water.
-    pub water: Option<Water>,
 }
 
 /// A known height.
@@ -99,19 +96,12 @@ pub enum FieldError {
     LooseVertex,
 }
 
-/// Distance in which the surface settles on water, at least, rim edges.
-const SETTLING_EDGES: f64 = 3.0;
-/// Slope of banks that rise to the rim's spread within that distance.
-const BANK_SLOPE: f64 = 0.2;
-
 /// Fits the surface and joins it to the exact data.
 ///
 /// Minimises `sum of w m (z - d)^2 + l^4 (bending + tension * stretching)` over all places: m the lumped area, d the data,
 /// l the smoothing length; w starts as given and is reweighted by the residuals (Huber, then Tukey; scale from their
 /// median, never below the noise floor). Where data leave a residual on exact places, a correction that dies out within a
-/// few rim edges carries it. If the surface leaves the range of the data, tension is raised. Over water every wanted place
-/// is drawn to its plane, `m (z - plane)^2 l^4 / d^4`: the surface leaves the rim with its slope and settles within d,
-/// about.
+/// few rim edges carries it. If the surface leaves the range of the data, tension is raised.
 ///
 /// A region of more than `max_unknowns` places is fitted on a coarser triangulation of that many, to all its data; from
 /// there the same energy is minimised on all places, block by block.
@@ -172,7 +162,6 @@ pub(crate) fn height_field_bytes(
 /// A region's heights without their trend, which no energy sees: numbers stay small however high the ground is.
 struct Ground {
     trend: PlaneFit,
-    pull: Option<Pull>,
     is_wanted: Vec<bool>,
 }
 
@@ -181,14 +170,7 @@ impl Ground {
         let known = region.places.iter().zip(&region.data);
         let trend =
             PlaneFit::weighted(known.filter_map(|(p, d)| d.map(|d| (p.extend(d.height_m), d.weight))));
-        let pull = region.water.map(|w| {
-            let settling_m = (SETTLING_EDGES * region.edge_m).max(w.spread_m / BANK_SLOPE);
-            Pull {
-                weight: settling_m.powi(-4),
-                heights: region.places.iter().map(|&p| w.plane.at(p) - trend.at(p)).collect(),
-            }
-        });
-        Self { trend, pull, is_wanted: region.data.iter().map(Option::is_none).collect() }
+        Self { trend, is_wanted: region.data.iter().map(Option::is_none).collect() }
     }
 
     /// Height of a datum over the trend, metres.
@@ -211,7 +193,6 @@ impl Ground {
             plate: &plate,
             samples: &samples,
             is_wanted: &self.is_wanted,
-            pull: self.pull.as_ref(),
             params,
             edge_m: region.edge_m,
             tension: tension(region, params),
@@ -232,17 +213,11 @@ impl Ground {
         let coarse = coarsen(&region.places, &region.triangles, region.edge_m, params.max_unknowns);
         let plate = Plate::new(&coarse.places, &coarse.triangles);
         let mut samples = self.samples(region, &whole.mass_m2, |v| coarse.spots[v]);
-        let at_coarse = |v: &u32| *v as usize;
-        let wanted: Vec<bool> = coarse.fine.iter().map(|v| self.is_wanted[at_coarse(v)]).collect();
-        let pull = self.pull.as_ref().map(|pull| Pull {
-            weight: pull.weight,
-            heights: coarse.fine.iter().map(|v| pull.heights[at_coarse(v)]).collect(),
-        });
+        let wanted: Vec<bool> = coarse.fine.iter().map(|&v| self.is_wanted[v as usize]).collect();
         let problem = Problem {
             plate: &plate,
             samples: &samples,
             is_wanted: &wanted,
-            pull: pull.as_ref(),
             params,
             edge_m: region.edge_m,
             tension: tension(region, params),
@@ -256,11 +231,9 @@ impl Ground {
         let refinement = Refinement {
             plate: &whole,
             samples: &samples,
-            is_wanted: &self.is_wanted,
-            pull: self.pull.as_ref(),
             params,
             edge_m: region.edge_m,
-            tension: crate::fit::raised(tension(region, params), fitted.tension_steps),
+            tension: raised(tension(region, params), fitted.tension_steps),
             length_m: fitted.smoothing_edges * region.edge_m,
         };
         let robust = refine(&refinement, fitted.robust, &mut z, solver)?;

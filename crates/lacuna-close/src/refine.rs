@@ -1,7 +1,6 @@
 //! From a coarse fit to the fit on all places, block by block (algorithms D.4: a local biharmonic correction).
 
 use crate::blocks::{Block, block, split};
-use crate::fit::Pull;
 use crate::height_field::FieldParams;
 use crate::plate::Plate;
 use crate::robust::{Kind, robust_weights};
@@ -13,8 +12,6 @@ use lacuna_solve::{SolveError, Solver, Triplet};
 pub(crate) struct Refinement<'a> {
     pub(crate) plate: &'a Plate<'a>,
     pub(crate) samples: &'a [Sample],
-    pub(crate) is_wanted: &'a [bool],
-    pub(crate) pull: Option<&'a Pull>,
     pub(crate) params: &'a FieldParams,
     pub(crate) edge_m: f64,
     /// 1 / m2.
@@ -84,16 +81,9 @@ fn solve_block(
     let mut data = Vec::with_capacity(free);
     let length4 = problem.length_m.powi(4);
     for (k, &v) in members[..free].iter().enumerate() {
-        let v = v as usize;
-        let (weight, height_m) = match (sample_of[v], problem.pull) {
-            (NONE, Some(pull)) if problem.is_wanted[v] => (pull.weight * whole.mass_m2[v], pull.heights[v]),
-            (NONE, _) => continue,
-            (s, _) => {
-                let sample = &problem.samples[s as usize];
-                (sample.mass_m2 * robust[s as usize] / length4, sample.height_m)
-            }
-        };
-        load[k] += weight * height_m;
+        let Some(sample) = problem.samples.get(sample_of[v as usize] as usize) else { continue };
+        let weight = sample.mass_m2 * robust[sample_of[v as usize] as usize] / length4;
+        load[k] += weight * sample.height_m;
         data.push(Triplet { row: k as u32, column: k as u32, value: weight });
     }
     solver.factor(&matrix.plus(data)?)?.solve(&mut load)?;

@@ -12,8 +12,6 @@ pub struct Water {
     pub support: f64,
     /// Root mean square distance of that part, metres.
     pub residual_m: f64,
-    /// Median distance of the whole rim from it, metres.
-    pub spread_m: f64,
 }
 
 /// A rim vertex with half the length of its rim edges.
@@ -73,13 +71,10 @@ pub fn given_water(rim: &[RimPoint], plane: PlaneFit) -> Water {
     let near = rim.iter().filter(|p| off(p).abs() <= NEAR_M);
     let (length, square) =
         near.fold((0.0, 0.0), |(l, s), p| (l + p.length_m, s + p.length_m * off(p) * off(p)));
-    let mut sizes: Vec<f64> = rim.iter().map(|p| off(p).abs()).collect();
-    sizes.sort_by(f64::total_cmp);
     Water {
         plane,
         support: if total > 0.0 { length / total } else { 0.0 },
         residual_m: if length > 0.0 { (square / length).sqrt() } else { 0.0 },
-        spread_m: sizes.get(sizes.len() / 2).copied().unwrap_or(0.0),
     }
 }
 

@@ -1,8 +1,7 @@
 //! The surface of a cluster: what it keeps, what it ignores, what it continues.
 
 use glam::DVec2;
-use lacuna_close::{Datum, FieldError, FieldParams, HeightField, Region, Water, height_field};
-use lacuna_mesh::PlaneFit;
+use lacuna_close::{Datum, FieldError, FieldParams, HeightField, Region, height_field};
 use lacuna_solve::{FaerSolver, ReferenceSolver};
 
 /// Half the side of the square, and radius of the hole in its middle.
@@ -38,7 +37,6 @@ fn region(hole: Hole, shift: DVec2, z: impl Fn(DVec2) -> f64) -> Region {
         triangles: quads.flat_map(corners).map(|t| t.map(|v| v as u32)).collect(),
         edge_m: 1.0,
         radius_m: RADIUS,
-        water: None,
     }
 }
 
@@ -187,28 +185,6 @@ fn turned_scenes_have_turned_surfaces() {
         let largest = first.iter().zip(&heights).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(largest < 1e-7, "{largest}");
     }
-}
-
-#[test]
-fn water_settles_on_its_level_and_still_joins_the_rim() {
-    // A lake whose banks are bowls of 10 m: without a level the surface sags below it.
-    let bowl = |p: DVec2| 0.02 * p.length_squared();
-    let dry = region(Hole::Disk, DVec2::ZERO, bowl);
-    let level = PlaneFit { level_m: 1.5, ..PlaneFit::default() };
-    let water = Water { plane: level, support: 1.0, residual_m: 0.0, spread_m: 0.0 };
-    // Edges that short let it settle within a seventh of the radius.
-    let lake = Region { water: Some(water), edge_m: 0.4, ..dry.clone() };
-    let field = solved(&lake);
-    let middle = |field: &HeightField| {
-        let near = (0..lake.places.len()).filter(|&v| lake.places[v].length() < 2.0);
-        near.map(|v| (field.heights_m[v] - 1.5).abs()).fold(0.0, f64::max)
-    };
-    assert!(middle(&field) < 0.02, "{} m off the level", middle(&field));
-    assert!(middle(&solved(&dry)) > 1.0);
-    let exact =
-        lake.data.iter().zip(&field.heights_m).filter_map(|(d, z)| d.filter(|d| d.is_exact).map(|d| (d, z)));
-    assert!(exact.clone().count() > 0);
-    assert!(exact.into_iter().all(|(d, z)| d.height_m == *z));
 }
 
 #[test]
