@@ -40,7 +40,7 @@ mod tests {
     /// A river of 2 m wide rim points along `axis`, 400 m long, whose banks have the height `z` at a distance along it.
     fn river(axis: DVec2, z: impl Fn(f64) -> f64) -> Vec<RimPoint> {
         let point = |k: usize| {
-            let (s, side) = ((k / 2) as f64 - 200.0, if k % 2 == 0 { 10.0 } else { -10.0 });
+            let (s, side) = ((k / 2) as f64 - 200.0, if k.is_multiple_of(2) { 10.0 } else { -10.0 });
             let place = axis * s + axis.perp() * side + DVec2::new(5e5, 4e5);
             RimPoint { position: place.extend(z(s)), length_m: 1.0 }
         };

@@ -214,13 +214,13 @@ mod tests {
     #[test]
     fn known_water_has_a_level_whatever_the_rim_says() {
         // Quay walls all round but for a slip: a sixth of the rim.
-        let basin = rim(ROUND, |k, _| if k % 6 == 0 { -0.45 } else { 1.0 + 2.0 * noise(k).abs() });
+        let basin = rim(ROUND, |k, _| if k.is_multiple_of(6) { -0.45 } else { 1.0 + 2.0 * noise(k).abs() });
         assert_eq!(water(&basin, 100.0, 1.0), None);
         let found = forced_water(&basin).expect("known water");
         assert!(found.plane.level_m < 1.2 && found.plane.slope == DVec2::ZERO, "{found:?}");
         assert!(found.support < SUPPORT, "{found:?}");
         // A step with nothing between: the level stays finite.
-        let step = rim(ROUND, |k, _| if k % 5 == 0 { 0.0 } else { 5.0 });
+        let step = rim(ROUND, |k, _| if k.is_multiple_of(5) { 0.0 } else { 5.0 });
         let level = forced_water(&step).expect("known water").plane.level_m;
         assert!((-0.1..5.1).contains(&level), "{level}");
         let lake = rim(ROUND, |k, _| 3.0 + 0.05 * noise(k));
