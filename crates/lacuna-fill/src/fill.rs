@@ -48,8 +48,6 @@ pub struct Filled {
     pub quality: QualityStats,
 }
 
-/// Largest contour for the 3D triangulation.
-const LARGEST_RING: usize = 500;
 /// Share of the rim's length whose triangles must look up for the plan view to be trusted, and the z of a unit normal
 /// that counts as looking up.
 const UPRIGHT_SHARE: f64 = 0.95;
@@ -99,7 +97,7 @@ fn fill_by_list(contour: &Contour, params: &FillParams, solver: &dyn Solver) -> 
             done => return done,
         }
     }
-    match space_refusal(&rim) {
+    match space_refusal(&rim, params) {
         None if params.filler == FillerChoice::Auto => fill_in_space(&rim, params, solver),
         refusal => Err(reason.or(refusal).unwrap_or(FillError::UprightRim)),
     }
@@ -133,7 +131,7 @@ fn fill_in_plane(
 }
 
 fn fill_in_space(rim: &Welded<'_>, params: &FillParams, solver: &dyn Solver) -> Result<Filled, FillError> {
-    if let Some(refusal) = space_refusal(rim) {
+    if let Some(refusal) = space_refusal(rim, params) {
         return Err(refusal);
     }
     let patch = min_area_patch(&rim.contour, params, solver)?;
@@ -141,10 +139,10 @@ fn fill_in_space(rim: &Welded<'_>, params: &FillParams, solver: &dyn Solver) -> 
 }
 
 /// Why the 3D triangulation does not take a contour.
-fn space_refusal(rim: &Welded<'_>) -> Option<FillError> {
+fn space_refusal(rim: &Welded<'_>, params: &FillParams) -> Option<FillError> {
     let vertices = rim.contour.len();
-    if vertices > LARGEST_RING {
-        Some(FillError::TooManyVertices { vertices, limit: LARGEST_RING })
+    if vertices > params.largest_ring {
+        Some(FillError::TooManyVertices { vertices, limit: params.largest_ring })
     } else if !rim.contour.inner.is_empty() {
         Some(FillError::IslandsIn3d)
     } else {

@@ -36,6 +36,9 @@ pub struct FillParams {
     pub max_spacing_m: Option<f64>,
     /// Most new vertices a patch may have, on top of the rule `10 n + 1000 + 2.5 area / spacing^2`.
     pub max_vertices: usize,
+    /// Most contour vertices for the triangulation in space: its time grows with their cube, its memory with their
+    /// square (20 bytes a pair).
+    pub largest_ring: usize,
     /// Heights of new vertices.
     pub heights: HeightRule,
     /// How far, as a share of the data's range of heights, a biharmonic surface may leave that range before tension
@@ -51,6 +54,7 @@ impl Default for FillParams {
             growth: 0.3,
             max_spacing_m: None,
             max_vertices: 20_000_000,
+            largest_ring: 500,
             heights: HeightRule::Biharmonic,
             overshoot: 0.25,
         }
