@@ -124,7 +124,6 @@ fn wrong_command_lines_are_refused() {
         ("repair in out --at 5", "two numbers"),
         ("repair in out --area everything", "GeoJSON"),
         ("repair in out --area missing.geojson", "missing.geojson: cannot be read"),
-        ("repair in out --method aggregate", "not in this version"),
         ("repair in out --resume", "--resume is not in this version"),
         ("bench a.ron --plots", "bench is not in this version"),
         ("repair in out --region quay", "no such region"),
@@ -146,7 +145,7 @@ fn what_is_not_built_is_absent_from_help() {
         let sub = command.find_subcommand_mut(verb).unwrap_or_else(|| panic!("no {verb}"));
         help += &sub.render_long_help().to_string();
     }
-    for word in ["resume", "bench", "aggregate", "not in this version"] {
+    for word in ["resume", "bench", "not in this version"] {
         assert!(!help.contains(word), "{word} in\n{help}");
     }
     assert!(help.contains("--max-edges-around-hole") && help.contains("--digest"));
@@ -185,6 +184,28 @@ fn a_flag_beats_the_file_and_the_file_beats_the_default() {
 }
 
 #[test]
+fn a_scene_is_merged_whole_or_not_at_all() {
+    let with = |scene: &str, region: &str| {
+        format!(
+            "(version: 1, fill: (method: {scene}), regions: [(name: \"r\", at: point(1, 2), fill: ({region}))])"
+        )
+    };
+    for (scene, region, flags, is_good) in [
+        ("aggregate", "", "", true),
+        ("aggregate", "method: aggregate", "", true),
+        ("aggregate", "method: layered", "", false),
+        ("field", "method: aggregate", "", false),
+        ("field", "method: layered", "--method aggregate", true),
+    ] {
+        let settings = from_file(&with(scene, region), &format!("in out {flags}"));
+        match settings {
+            Ok(_) => assert!(is_good, "{scene}, {region}, {flags}"),
+            Err(error) => assert!(!is_good && error.contains("merges the whole scene"), "{error}"),
+        }
+    }
+}
+
+#[test]
 fn errors_of_the_file_show_the_place() {
     let cases = [
         ("unknown key", "(\n    version: 1,\n    scene: (input: \"a\", cell_size: 250),\n)"),
@@ -202,7 +223,7 @@ fn errors_of_the_file_show_the_place() {
         ("memory with a wrong unit", "(version: 1, run: (memory: \"12 gigs\", threads: 2))"),
         ("memory as a number", "(version: 1, run: (memory: 12))"),
         ("threads that are no count", "(version: 1, run: (threads: -1))"),
-        ("method of a later version", "(version: 1, fill: (method: aggregate))"),
+        ("unknown method", "(version: 1, fill: (method: agregate))"),
         ("unknown word", "(version: 1, scene: (untouched: link))"),
         ("unknown place", "(version: 1, regions: [(name: \"a\", at: circle(1, 2, 3))])"),
         ("missing key of a region", "(version: 1, regions: [(name: \"a\")])"),

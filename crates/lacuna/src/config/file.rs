@@ -100,7 +100,6 @@ pub(crate) struct FindSection {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct FillSection {
-    #[serde(deserialize_with = "built_method")]
     pub(crate) method: Option<MethodName>,
     pub(crate) closed: Option<ClosedFiller>,
     pub(crate) open: Option<OpenFiller>,
@@ -174,14 +173,6 @@ fn version_one<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Err
         other => Err(D::Error::custom(format!(
             "version {other} is unknown; this version of lacuna reads version 1"
         ))),
-    }
-}
-
-fn built_method<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<MethodName>, D::Error> {
-    let method = Option::<MethodName>::deserialize(deserializer)?;
-    match method {
-        Some(MethodName::Aggregate) => Err(D::Error::custom("aggregate is not in this version; use field")),
-        other => Ok(other),
     }
 }
 

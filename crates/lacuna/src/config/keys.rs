@@ -45,7 +45,7 @@ pub(crate) const KEYS: [Key; 44] = [
     key("find", "max_edges_around_hole", "a count of edges, such as 5000"),
     key("find", "class", "a list of closed, I, II"),
     key("find", "shape", "a list of A, B, C, D"),
-    key("fill", "method", "field or layered"),
+    key("fill", "method", "field, layered or aggregate"),
     key("fill", "closed", "auto, delaunay or min_area"),
     key("fill", "open", "auto or delaunay"),
     key("fill", "spacing_m", "a length in metres, such as 0.5"),

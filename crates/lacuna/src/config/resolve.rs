@@ -82,7 +82,7 @@ impl Settings {
             },
             run: run(&file.run, &arguments, machine),
             find: find(&file.find, &arguments.find),
-            fill: fill_flags(&arguments.fill, fill)?,
+            fill: fill_flags(&arguments.fill, fill),
             water_polygons: file.water.polygons.as_ref().map(water_file).transpose()?,
             regions: regions(&file.regions, &arguments.fill, fill, &folder)?,
             selection: selection(&arguments.selection)?,
@@ -263,18 +263,14 @@ fn fill(file: &FillSection, base: FillSettings) -> FillSettings {
     }
 }
 
-fn fill_flags(flags: &FillArgs, base: FillSettings) -> Result<FillSettings, ConfigError> {
-    match flags.method {
-        Some(MethodName::Aggregate) => return Err(not_built("--method aggregate", Some("use field"))),
-        Some(MethodName::Field | MethodName::Layered) | None => {}
-    }
-    Ok(FillSettings {
+fn fill_flags(flags: &FillArgs, base: FillSettings) -> FillSettings {
+    FillSettings {
         method: flags.method.unwrap_or(base.method),
         closed: flags.closed.unwrap_or(base.closed),
         open: flags.open.unwrap_or(base.open),
         spacing_m: flags.spacing.or(base.spacing_m),
         ..base
-    })
+    }
 }
 
 /// Regions: their own fill settings over the scene's, flags over both.
@@ -293,7 +289,7 @@ fn regions(
                 fill: fill_flags(
                     flags,
                     fill(&section.fill, FillSettings { water: section.water.unwrap_or(base.water), ..base }),
-                )?,
+                ),
                 water: section.water,
             })
         })
@@ -362,6 +358,13 @@ fn check_regions(settings: &Settings) -> Option<String> {
         {
             return Some(format!(
                 "region {name}: a box is box(west, south, east, north), with west < east and south < north"
+            ));
+        }
+        let merges = |fill: &FillSettings| fill.method == MethodName::Aggregate;
+        if merges(&region.fill) != merges(&settings.fill) {
+            return Some(format!(
+                "region {name}: aggregate merges the whole scene, so no region has another method; leave its method out, \
+                 or take field or layered for the scene"
             ));
         }
     }

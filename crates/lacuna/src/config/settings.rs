@@ -63,8 +63,7 @@ pub enum MethodName {
     Field,
     /// Layer by layer from the outside in (the paper).
     Layered,
-    /// All cells in one mesh: not in this version.
-    #[value(hide = true)]
+    /// The baseline: all cells merged in memory, closed holes filled there.
     Aggregate,
 }
 

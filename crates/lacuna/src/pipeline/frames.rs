@@ -55,6 +55,11 @@ impl Frames {
         }
     }
 
+    /// A position near `p` that the tiles of all `cells` store alike, if there is one; else as the first of them does.
+    pub(crate) fn round_for<'c>(&self, cells: impl Iterator<Item = &'c CellId>, p: DVec3) -> DVec3 {
+        round_shared(&self.different(cells), p)
+    }
+
     /// The frames of some cells, each once: most tiles of a scene store positions alike.
     fn different<'c>(&self, cells: impl Iterator<Item = &'c CellId>) -> Vec<&VertexFrame> {
         let mut frames: Vec<&VertexFrame> = Vec::new();

@@ -2,6 +2,7 @@
 
 mod area;
 mod assemble;
+mod baseline;
 mod context;
 mod error;
 mod field;

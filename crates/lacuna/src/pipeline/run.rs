@@ -3,6 +3,7 @@
 use super::RunError;
 use super::area::area;
 use super::assemble::{cluster_records, drawing, hole_records, outcomes, scene_record, seam_record};
+use super::baseline::{AggregateInput, aggregate};
 use super::context::{Context, Stages, Stopwatch};
 use super::field::water_rule;
 use super::frames::{Frames, SeamFacts};
@@ -230,6 +231,17 @@ fn fill(planned: &Planned, context: &Context<'_>, stages: &mut Stages) -> Result
     let of_clusters: Vec<FillSettings> = (0..planned.plan.clusters.len()).map(of_cluster).collect();
     let settings_of = |hole: u32| of_clusters[planned.plan.holes[hole as usize].cluster as usize];
     let frames = frames(planned);
+    if context.settings.fill.method == MethodName::Aggregate {
+        let input = AggregateInput {
+            scene: &planned.scene,
+            scanned: &planned.scanned,
+            plan: &planned.plan,
+            frames: &frames,
+            todo: &todo,
+            settings_of: &settings_of,
+        };
+        return aggregate(&input, context, stages);
+    }
     solve(&planned.scanned.surveys, &planned.plan, &frames, &todo, &settings_of, context, stages)
 }
 

@@ -138,7 +138,8 @@ fn scan_group(scene: &Scene, group: &TileGroup, context: &Context<'_>) -> Result
     Ok(ScannedTile { survey, preview, parts, warnings })
 }
 
-fn append_mesh(mesh: &mut TriMesh, read: ReadTile) {
+/// Puts a file's mesh behind those of the files before it.
+pub(super) fn append_mesh(mesh: &mut TriMesh, read: ReadTile) {
     if mesh.positions.is_empty() {
         *mesh = read.mesh;
         return;

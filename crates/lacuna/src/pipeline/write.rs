@@ -5,7 +5,7 @@ use super::context::{Context, StageKind};
 use super::manifest::OutputFile;
 use super::names::Names;
 use super::scan::{CellTile, Part};
-use super::solve::{FilledHole, Fills};
+use super::solve::{FilledHole, Fills, NotFilled};
 use crate::config::Untouched;
 use crate::report::DefectRecord;
 use glam::DVec3;
@@ -171,11 +171,16 @@ fn holes_by_cell(input: &WriteInput<'_>) -> BTreeMap<CellId, Vec<u32>> {
 fn holes_by_part(input: &WriteInput<'_>, tile: &CellTile, holes: &[u32]) -> Vec<(Part, Vec<u32>)> {
     let mut by_part: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
     for &h in holes {
-        if let Some(Ok(filled)) = input.fills.get(&h) {
+        // Of a merged patch a small hole's cell may get no triangle.
+        if let Some(Ok(filled)) = input.fills.get(&h).filter(|f| has_triangles(f)) {
             by_part.entry(main_part(tile, filled)).or_default().push(h);
         }
     }
     by_part.into_iter().map(|(k, holes)| (tile.parts[k].clone(), holes)).collect()
+}
+
+fn has_triangles(fill: &Result<FilledHole, NotFilled>) -> bool {
+    fill.as_ref().is_ok_and(|f| !f.patch.triangles.is_empty())
 }
 
 fn main_part(tile: &CellTile, filled: &FilledHole) -> usize {
