@@ -61,7 +61,7 @@ fn what_is_open_to_the_outside_is_left_with_that_reason() {
         .filter_map(|h| h.reason.as_deref())
         .collect();
     assert_eq!(reasons.len(), 1);
-    assert!(reasons[0].contains("no closed loop of the merged mesh"), "{}", reasons[0]);
+    assert!(reasons[0].contains("no closed hole of the merged mesh"), "{}", reasons[0]);
 }
 
 #[test]

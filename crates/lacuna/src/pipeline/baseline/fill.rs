@@ -25,7 +25,8 @@ pub(super) fn fill_cluster(
     if work.merged_holes.is_empty() {
         return Err(NotFilled {
             is_refusal: true,
-            reason: "no closed loop of the merged mesh runs round it; aggregate leaves what is open to the outside"
+            reason: "no closed hole of the merged mesh shares its rim; aggregate leaves what is open to the outside or looks \
+                     like a passage"
                 .to_owned(),
         });
     }
