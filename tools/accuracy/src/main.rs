@@ -12,6 +12,7 @@ use accuracy::scene_files::{Tiles, TruthPoint, read_tiles, read_truth, rim_posit
 use anyhow::{Context, Result};
 use clap::Parser;
 use glam::DVec3;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 #[global_allocator]
@@ -166,7 +167,7 @@ fn draw(case: &Case, ready: &Ready, made: &[Made], out: &Path) -> Result<()> {
     let title = format!("{}: section through the largest hole", case.kind);
     std::fs::write(
         out.join(format!("{}_section.svg", case.name)),
-        chart(&title, ["m", "height m"], &curves),
+        chart(&title, ["m", "height m"], None, &curves),
     )?;
     let maps: Vec<(&str, &[Option<f64>])> =
         good().map(|(name, (_, figures, _))| (name.as_str(), figures.errors.as_slice())).collect();
@@ -183,8 +184,8 @@ fn draw_depths(rows: &[Row], out: &Path) -> Result<()> {
     for kind in kinds {
         let of_kind = || rows.iter().filter(|r| r.kind == kind);
         let mut methods: Vec<&str> = of_kind().map(|r| r.method.as_str()).collect();
-        methods.sort_unstable();
-        methods.dedup();
+        let mut seen = BTreeSet::new();
+        methods.retain(|m| seen.insert(*m));
         let curve = |method: &str| {
             let outcomes: Vec<&Outcome> =
                 of_kind().filter(|r| r.method == method).filter_map(|r| r.outcome.as_ref().ok()).collect();
@@ -196,7 +197,7 @@ fn draw_depths(rows: &[Row], out: &Path) -> Result<()> {
         let title = format!("{kind}: error against depth (0 = rim, 1 = farthest from it)");
         std::fs::write(
             out.join(format!("{name}_depth.svg")),
-            chart(&title, ["depth", "mean error cm"], &curves),
+            chart(&title, ["depth", "mean error cm"], Some(0.0), &curves),
         )?;
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! Figures of one repair: error against the truth, slope, shape.
 
 use crate::locate::Locator;
-use crate::scene_files::{Tiles, TruthPoint, open, read_tiles};
+use crate::scene_files::{Tiles, TruthPoint, read_tiles};
 use crate::slope::{Facet, Slopes, slopes};
 use anyhow::Result;
 use glam::{DVec2, DVec3};
@@ -79,8 +79,6 @@ const DEPTHS: usize = 8;
 /// # Errors
 /// Folders that can't be read.
 pub fn read_repaired(original: &Tiles, out: &Path) -> Result<Repaired> {
-    // Everything beside the tiles lies in a folder of its own, which holds none.
-    open(out)?;
     let mut facets = Vec::new();
     for (tile, (relative, mesh)) in (0u32..).zip(read_tiles(out)?) {
         let old = original.get(&relative).map_or(0, |m| m.triangles.len());

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, bail};
 use glam::DVec3;
 use lacuna_mesh::TriMesh;
-use lacuna_tile::{ReadOptions, Scene, SceneOptions, open_scene, read_tile};
+use lacuna_tile::{ReadOptions, SceneOptions, open_scene, read_tile};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -24,21 +24,13 @@ pub type Tiles = BTreeMap<String, TriMesh>;
 /// # Errors
 /// A folder without tiles, a tile that can't be read.
 pub fn read_tiles(folder: &Path) -> Result<Tiles> {
-    let scene = open(folder)?;
+    let scene = open_scene(folder, &SceneOptions::default()).with_context(|| folder.display().to_string())?;
     let mut tiles = Tiles::new();
     for entry in &scene.tiles {
         let read = read_tile(&scene.path(entry), entry.format, &ReadOptions::default())?;
         tiles.insert(entry.relative.clone(), read.mesh);
     }
     Ok(tiles)
-}
-
-/// The tiles of a folder, unread.
-///
-/// # Errors
-/// A folder without tiles.
-pub fn open(folder: &Path) -> Result<Scene> {
-    open_scene(folder, &SceneOptions::default()).with_context(|| folder.display().to_string())
 }
 
 /// Reads `truth.csv`, without the vertices on the area's outer border and without the holes that lie at it (class II):
