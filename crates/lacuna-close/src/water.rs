@@ -29,6 +29,11 @@ const QUANTILE: f64 = 0.2;
 const NEAR_M: f64 = 0.15;
 /// Share of the rim that must.
 const SUPPORT: f64 = 0.6;
+/// Share of the rim that may lie deeper: water would run off there.
+const BELOW: f64 = 0.05;
+/// A rim with residuals up to this is flat, metres; one with larger ones must be uneven.
+const FLAT_M: f64 = 0.03;
+const UNEVEN: f64 = 0.1;
 /// Steepest water.
 const STEEPEST: f64 = 0.01;
 /// A hole this many rim edges wide may be water; smaller ones follow their rim anyway.
@@ -38,7 +43,8 @@ const LONG: f64 = 3.0;
 const ROUNDS: usize = 40;
 
 /// Finds the water level of a rim, `None` if the rim does not support one: fewer than 60 % of its length within 0.15 m of
-/// a level, or of a slope of at most 1 % along a long hole, or a hole too narrow to tell.
+/// a level, or of a slope of at most 1 % along a long hole; more than 5 % of it deeper; a rim that is not flat but bends as
+/// ground does, without noise; a hole too narrow to tell.
 ///
 /// Steps: quantile regression at 20 % of the heights (iteratively reweighted), first level, then with a slope along the
 /// principal axis; the points near it recentre it (their mean), until it stays.
@@ -66,21 +72,47 @@ pub fn forced_water(rim: &[RimPoint]) -> Option<Water> {
 /// The water with a given plane, as the rim sees it.
 #[must_use]
 pub fn given_water(rim: &[RimPoint], plane: PlaneFit) -> Water {
-    let total: f64 = rim.iter().map(|p| p.length_m).sum();
     let off = |p: &RimPoint| p.position.z - plane.at(p.position.truncate());
     let near = rim.iter().filter(|p| off(p).abs() <= NEAR_M);
     let (length, square) =
         near.fold((0.0, 0.0), |(l, s), p| (l + p.length_m, s + p.length_m * off(p) * off(p)));
     Water {
         plane,
-        support: if total > 0.0 { length / total } else { 0.0 },
+        support: share(rim, |off_m| off_m.abs() <= NEAR_M, &plane),
         residual_m: if length > 0.0 { (square / length).sqrt() } else { 0.0 },
     }
 }
 
 fn supported(rim: &[RimPoint], plane: PlaneFit) -> Option<Water> {
     let found = given_water(rim, plane);
-    (found.support >= SUPPORT && plane.slope.length() <= STEEPEST).then_some(found)
+    let is_shore = share(rim, |off_m| off_m < -NEAR_M, &plane) <= BELOW;
+    let is_plane = found.residual_m <= FLAT_M || unevenness(rim, &plane) >= UNEVEN;
+    (found.support >= SUPPORT && is_shore && is_plane && plane.slope.length() <= STEEPEST).then_some(found)
+}
+
+/// How unlike each other the offsets of neighbouring rim points from a plane are, as a share of what independent ones would
+/// be: half the mean square of their differences over their mean square, for points near the plane (von Neumann 1941).
+/// Noise on a level is uneven; ground that happens to lie near a level is not.
+fn unevenness(rim: &[RimPoint], plane: &PlaneFit) -> f64 {
+    let off_m = |p: &RimPoint| p.position.z - plane.at(p.position.truncate());
+    let (mut steps, mut squares) = (0.0, 0.0);
+    for [a, b] in rim.array_windows() {
+        let are_neighbours = a.position.truncate().distance(b.position.truncate()) <= a.length_m + b.length_m;
+        let [a_m, b_m] = [off_m(a), off_m(b)];
+        if are_neighbours && a_m.abs().max(b_m.abs()) <= NEAR_M {
+            steps += (a_m - b_m) * (a_m - b_m);
+            squares += a_m * a_m + b_m * b_m;
+        }
+    }
+    if squares > 0.0 { steps / squares } else { 0.0 }
+}
+
+/// Share of a rim's length whose height over a plane is as asked for, metres.
+fn share(rim: &[RimPoint], is_wanted: impl Fn(f64) -> bool, plane: &PlaneFit) -> f64 {
+    let off_m = |p: &RimPoint| p.position.z - plane.at(p.position.truncate());
+    let total_m: f64 = rim.iter().map(|p| p.length_m).sum();
+    let wanted_m: f64 = rim.iter().filter(|p| is_wanted(off_m(p))).map(|p| p.length_m).sum();
+    if total_m > 0.0 { wanted_m / total_m } else { 0.0 }
 }
 
 /// The plane below which a fifth of the rim lies, recentred on the points near it; its slope runs along `axis`, none if
@@ -205,6 +237,11 @@ mod tests {
     fn hills_and_small_holes_are_no_water() {
         let hills = rim(ROUND, |_, p| 1.5 * libm::sin(0.1 * p.x) + 0.7 * libm::cos(0.07 * p.y));
         assert_eq!(water(&hills, 100.0, 1.0), None);
+        // Low ground, three quarters of it within 25 cm, the rest a slope.
+        let basin = rim(ROUND, |_, p| 0.1 * libm::sin(0.05 * p.y) + 0.4 * (p.x / 60.0 - 0.4).max(0.0));
+        assert_eq!(water(&basin, 100.0, 1.0), None);
+        let outflow = rim(ROUND, |k, _| if k < 40 { -0.5 } else { 0.05 * noise(k) });
+        assert_eq!(water(&outflow, 100.0, 1.0), None);
         let lake = rim(ROUND, |k, _| 0.02 * noise(k));
         assert!(water(&lake, 100.0, 1.0).is_some());
         assert_eq!(water(&lake, 19.0, 1.0), None);
