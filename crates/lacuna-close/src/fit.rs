@@ -1,6 +1,7 @@
 //! The robust fit of a plate to samples of the ground.
 
 use crate::height_field::FieldParams;
+use crate::held_back::{arcs, scattered};
 use crate::plate::Plate;
 use crate::robust::{Kind, REJECTED, ROUNDS, robust_weights};
 use crate::sample::Sample;
@@ -10,8 +11,9 @@ use lacuna_solve::{Factor, SolveError, Solver, SparseSymmetric, Triplet};
 /// lie among others; the hole does not. There a long length, which takes its slope from farther behind the rim, is a risk
 /// that a slightly better prediction is not worth: on rough ground 0.7 is better in the mean and worse by a tenth at times.
 const SMOOTHING_EDGES: [(f64, f64); 4] = [(0.1, 1.0), (0.35, 1.02), (0.7, 1.2), (1.4, 1.3)];
-/// One datum in so many is held back to choose.
-const HELD_BACK: usize = 5;
+/// Tensions to choose from, times the given one, and by what the error of each on held-back arcs is multiplied: on ground
+/// that shows neither, the thin plate stands. Rough ground goes back to its mean soon, smooth ground goes on.
+const TENSIONS: [(f64, f64); 4] = [(1.0, 1.0), (4.0, 1.01), (16.0, 1.02), (64.0, 1.03)];
 /// Share of the held-back residuals that count: the largest may be outliers.
 const COUNTED_SHARE: f64 = 0.8;
 /// How often tension is raised fourfold.
@@ -26,7 +28,7 @@ pub(crate) struct Problem<'a> {
     pub(crate) params: &'a FieldParams,
     /// Typical rim edge, metres.
     pub(crate) edge_m: f64,
-    /// Tension before it is raised, 1 / m2.
+    /// Tension by which others are measured, 1 / m2.
     pub(crate) tension: f64,
 }
 
@@ -37,6 +39,9 @@ pub(crate) struct Fitted {
     /// Robust weight of each sample.
     pub(crate) robust: Vec<f64>,
     pub(crate) smoothing_edges: f64,
+    /// 1 / m2.
+    pub(crate) tension: f64,
+    /// How often tension was raised.
     pub(crate) tension_steps: u32,
 }
 
@@ -48,14 +53,14 @@ pub(crate) fn fit(problem: &Problem<'_>, solver: &dyn Solver) -> Result<Fitted, 
         None => fit.best_smoothing()?,
     };
     fit.set_smoothing(smoothing_edges);
+    let tension = match problem.params.tension {
+        Some(given) => given,
+        None => fit.best_tension()?,
+    };
+    fit.set_tension(tension)?;
     fit.refactor()?;
     let (heights_m, tension_steps) = fit.solve_guarded()?;
-    Ok(Fitted { heights_m, robust: fit.robust, smoothing_edges, tension_steps })
-}
-
-/// The tension after some steps of raising it.
-pub(crate) fn raised(tension: f64, steps: u32) -> f64 {
-    tension * 4f64.powi(steps as i32)
+    Ok(Fitted { heights_m, robust: fit.robust, smoothing_edges, tension: fit.tension, tension_steps })
 }
 
 /// A fit in work.
@@ -63,6 +68,8 @@ struct Fit<'a> {
     problem: &'a Problem<'a>,
     /// Smoothing length to the fourth.
     length4: f64,
+    /// 1 / m2.
+    tension: f64,
     /// Least standard deviation of the data, metres.
     floor_m: f64,
     energy: SparseSymmetric,
@@ -78,20 +85,28 @@ impl<'a> Fit<'a> {
         let robust = vec![1.0; problem.samples.len()];
         let factor = solver.factor(&energy.plus(data_entries(problem, &robust, length4))?)?;
         let floor_m = problem.params.noise_floor_edges * problem.edge_m;
-        Ok(Self { problem, length4, floor_m, energy, factor, robust })
+        Ok(Self { problem, length4, tension: problem.tension, floor_m, energy, factor, robust })
     }
 
     fn set_smoothing(&mut self, edges: f64) {
         self.length4 = (edges * self.problem.edge_m).powi(4);
     }
 
+    /// Takes a tension, in units of the given one.
+    fn set_tension(&mut self, times: f64) -> Result<(), SolveError> {
+        self.tension = times * self.problem.tension;
+        self.energy = self.problem.plate.matrix(self.tension)?;
+        Ok(())
+    }
+
     /// The smoothing length, in edges, whose surface comes nearest to data that it has not seen: the noise of the rim
     /// asks for a long one, the shape of the ground for a short one.
     fn best_smoothing(&mut self) -> Result<f64, SolveError> {
+        let held = scattered(self.problem.samples.len());
         let mut best = (SMOOTHING_EDGES[0].0, f64::INFINITY);
         for (edges, risk) in SMOOTHING_EDGES {
             self.set_smoothing(edges);
-            let error = risk * self.held_back_error()?;
+            let error = risk * self.held_back_error(&held)?;
             if error < best.1 {
                 best = (edges, error);
             }
@@ -100,10 +115,27 @@ impl<'a> Fit<'a> {
         Ok(best.0)
     }
 
-    /// Mean residual of held-back data, the largest left out.
-    fn held_back_error(&mut self) -> Result<f64, SolveError> {
-        let held = || (HELD_BACK / 2..self.problem.samples.len()).step_by(HELD_BACK);
-        let hold_back = |robust: &mut Vec<f64>| held().for_each(|k| robust[k] = 0.0);
+    /// The tension, times the given one, whose surface comes nearest to arcs of the rim that it has not seen.
+    fn best_tension(&mut self) -> Result<f64, SolveError> {
+        let Problem { plate, samples, is_wanted, edge_m, .. } = *self.problem;
+        let held = arcs(plate, samples, is_wanted, edge_m);
+        let mut best = (TENSIONS[0].0, f64::INFINITY);
+        if !held.is_empty() && held.len() < samples.len() {
+            for (times, risk) in TENSIONS {
+                self.set_tension(times)?;
+                let error = risk * self.held_back_error(&held)?;
+                if error < best.1 {
+                    best = (times, error);
+                }
+            }
+        }
+        self.robust.fill(1.0);
+        Ok(best.0)
+    }
+
+    /// Mean residual of the held-back samples, the largest left out.
+    fn held_back_error(&mut self, held: &[usize]) -> Result<f64, SolveError> {
+        let hold_back = |robust: &mut Vec<f64>| held.iter().for_each(|&k| robust[k] = 0.0);
         self.robust.fill(1.0);
         hold_back(&mut self.robust);
         self.refactor()?;
@@ -112,7 +144,8 @@ impl<'a> Fit<'a> {
         hold_back(&mut self.robust);
         self.refactor()?;
         let z = self.solve()?;
-        let mut residuals: Vec<f64> = held().map(|k| self.problem.samples[k].residual_m(&z).abs()).collect();
+        let residual = |&k: &usize| self.problem.samples[k].residual_m(&z).abs();
+        let mut residuals: Vec<f64> = held.iter().map(residual).collect();
         residuals.sort_by(f64::total_cmp);
         residuals.truncate(((residuals.len() as f64 * COUNTED_SHARE).ceil() as usize).max(1));
         Ok(residuals.iter().sum::<f64>() / residuals.len().max(1) as f64)
@@ -124,7 +157,7 @@ impl<'a> Fit<'a> {
         let mut step = 0;
         while step < TENSION_STEPS && !self.is_in_range(&z) {
             step += 1;
-            self.energy = self.problem.plate.matrix(raised(self.problem.tension, step))?;
+            self.set_tension(4.0 * self.tension / self.problem.tension)?;
             self.robust.fill(1.0);
             self.refactor()?;
             z = self.solve_robust()?;

@@ -1,7 +1,7 @@
 //! One surface over the whole hole of a cluster: a robust thin plate with tension (algorithms D.3).
 
 use crate::coarsen::coarsen;
-use crate::fit::{Problem, fit, outlier_share, raised};
+use crate::fit::{Problem, fit, outlier_share};
 use crate::plate::Plate;
 use crate::refine::{Refinement, refine};
 use crate::rim_join::join_rim;
@@ -42,8 +42,8 @@ pub struct Datum {
 pub struct FieldParams {
     /// Length over which data are smoothed, rim edges; `None`: what predicts held-back data best.
     pub smoothing_edges: Option<f64>,
-    /// Tension, times 1 / radius^2.
-    pub tension: f64,
+    /// Tension, times 1 / radius^2; `None`: what predicts held-back arcs of the rim best.
+    pub tension: Option<f64>,
     /// Residuals below this are noise at the least, rim edges.
     pub noise_floor_edges: f64,
     /// How far, as a share of the data's range, the surface may leave that range before tension is raised.
@@ -56,7 +56,7 @@ impl Default for FieldParams {
     fn default() -> Self {
         Self {
             smoothing_edges: None,
-            tension: 1.0,
+            tension: None,
             noise_floor_edges: 0.05,
             overshoot: 0.25,
             max_unknowns: usize::MAX,
@@ -148,7 +148,7 @@ pub(crate) fn height_field_bytes(
     solver: &dyn Solver,
 ) -> Result<u64, FieldError> {
     let system = |places: &[DVec2], triangles: &[[u32; 3]]| -> Result<u64, FieldError> {
-        let matrix = Plate::new(places, triangles).matrix(tension(region, params))?;
+        let matrix = Plate::new(places, triangles).matrix(tension(region))?;
         let copies = MATRIX_COPIES * matrix.bytes();
         Ok(copies + solver.factor_bytes(&matrix)? + FIT_BYTES * places.len() as u64)
     };
@@ -195,7 +195,7 @@ impl Ground {
             is_wanted: &self.is_wanted,
             params,
             edge_m: region.edge_m,
-            tension: tension(region, params),
+            tension: tension(region),
         };
         let fitted = fit(&problem, solver)?;
         let field = HeightField {
@@ -220,7 +220,7 @@ impl Ground {
             is_wanted: &wanted,
             params,
             edge_m: region.edge_m,
-            tension: tension(region, params),
+            tension: tension(region),
         };
         let fitted = fit(&problem, solver)?;
         let mut z: Vec<f64> = coarse.spots.iter().map(|spot| spot.height(&fitted.heights_m)).collect();
@@ -233,7 +233,7 @@ impl Ground {
             samples: &samples,
             params,
             edge_m: region.edge_m,
-            tension: raised(tension(region, params), fitted.tension_steps),
+            tension: fitted.tension,
             length_m: fitted.smoothing_edges * region.edge_m,
         };
         let robust = refine(&refinement, fitted.robust, &mut z, solver)?;
@@ -251,8 +251,9 @@ impl Ground {
 /// A field without its heights, and the fitted surface over the trend.
 type Fitted = Result<(HeightField, Vec<f64>), FieldError>;
 
-fn tension(region: &Region, params: &FieldParams) -> f64 {
-    params.tension / (region.radius_m * region.radius_m)
+/// The tension by which others are measured, 1 / m2: it shows at the hole's own size alone.
+fn tension(region: &Region) -> f64 {
+    1.0 / (region.radius_m * region.radius_m)
 }
 
 /// Every vertex must be joined by triangles to a datum that counts.

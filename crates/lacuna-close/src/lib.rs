@@ -12,6 +12,7 @@ mod field;
 mod fit;
 mod flat_water;
 mod height_field;
+mod held_back;
 mod islands;
 mod layered;
 mod plate;
