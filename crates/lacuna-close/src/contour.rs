@@ -139,7 +139,8 @@ impl Builder<'_> {
                 }
             }
         }
-        if matches!(self.plan.fit.mode, BorderMode::Ragged | BorderMode::Overlap) {
+        let may_cross = matches!(self.plan.fit.mode, BorderMode::Ragged | BorderMode::Overlap);
+        if may_cross && !self.plan.tiles_meet {
             ring.untangle();
         }
         ring.finish()

@@ -261,12 +261,13 @@ impl Projection<'_> {
         let largest_m = options.spacing_m.unwrap_or(LARGEST_EDGES * spacing_m);
         let rule = Spacing { first_m: spacing_m, growth: options.growth, largest_m };
         let Some(profile) = &self.profiles[c as usize] else { return };
-        let [low, high] = self.corner_squares(curve);
+        let [low, high] = self.fixed_points(curve);
         let mut along = rule.points(low.unwrap_or(curve.low_m), high.unwrap_or(curve.high_m));
         if let Some(t) = low {
             along.insert(0, t);
         }
         along.extend(high);
+        along.dedup();
         let mut inner: Vec<DVec3> =
             along.iter().filter_map(|&t| Some(side.point(t, curve.line).extend(profile.at(t)?))).collect();
         // The corners of the square that four cells share have the height of the grid corner.
@@ -279,6 +280,17 @@ impl Projection<'_> {
         }
         let slope = vec![0.0; inner.len()];
         self.curves.curves[c as usize] = BorderCurve { inner, slope, spacing_m, ..BorderCurve::default() };
+    }
+
+    /// Points that a curve must have at its low and at its high end. Where ragged tiles share vertices an end is where the line
+    /// is seen from the vertex that the curve is tied to; where they overrun their cell, at a corner's square.
+    fn fixed_points(&self, curve: &Curve) -> [Option<f64>; 2] {
+        let is_ragged = self.plan.fit.mode == BorderMode::Ragged && self.plan.tiles_meet;
+        if !is_ragged || curve.kind != CurveKind::Shared {
+            return self.corner_squares(curve);
+        }
+        let is_tied = |anchor| matches!(anchor, Anchor::Point(..));
+        [(curve.low, curve.low_m), (curve.high, curve.high_m)].map(|(a, m)| is_tied(a).then_some(m))
     }
 
     /// Where the overlap square of a bare corner ends, at the low and the high end of a shared stretch of tiles that overrun

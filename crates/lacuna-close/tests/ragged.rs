@@ -8,7 +8,7 @@ use closing::{close, plan_rings};
 use glam::DVec2;
 use kit::{CELL_M, Scene, scatter};
 use lacuna_grid::{CellId, Grid};
-use lacuna_hole::{BorderMode, Piece};
+use lacuna_hole::BorderMode;
 use lacuna_mesh::{TriMesh, find_crossings, signed_area};
 use std::collections::BTreeMap;
 
@@ -72,28 +72,49 @@ fn ragged_tiles_close() {
                 let slices: Vec<&[DVec2]> = rings.iter().map(Vec::as_slice).collect();
                 assert_eq!(find_crossings(&slices), [], "{what}, {}", hole.cell);
             }
-            check_cracks(&closing, &what);
+            check_closed(&closing, &what);
         }
     }
 }
 
-/// Only at the ends of rims may a crack of a few triangles stay: there an edge that is near to the border counts as on
-/// it, so that both tiles' rims end at different vertices.
-fn check_cracks(closing: &closing::Closing<'_>, what: &str) {
-    let plan = &closing.planned.plan;
-    let mut ends = Vec::new();
-    for hole in &plan.holes {
-        for piece in &hole.outer {
-            if let Piece::Rim(edges) = piece {
-                let survey = &closing.planned.surveys[&hole.cell];
-                ends.extend([survey.from(edges[0]), survey.to(edges[edges.len() - 1])]);
-            }
+/// No edge stays open.
+fn check_closed(closing: &closing::Closing<'_>, what: &str) {
+    let open = closing.open_edges();
+    assert!(open.is_empty(), "{what}: {} open edges, such as {:?}", open.len(), open.first());
+}
+
+#[test]
+fn rims_that_run_along_the_border_close() {
+    let scenes: [(&str, fn(f64, f64) -> bool); 4] = [
+        ("a river along the border", |x, y| {
+            (y - 8.0 - 0.3 * (2.0 * x).sin()).abs() < 0.4 && (x - 8.0).abs() < 6.0
+        }),
+        ("a shore on the border", |x, y| y > 8.0 && y < 11.0 && (x - 8.0).abs() < 5.0),
+        ("a spit over the border", |x, y| {
+            DVec2::new(x, y).distance(DVec2::new(8.0, 4.0)) < 3.0 && !((y - 4.0).abs() < 0.25 && x < 8.2)
+        }),
+        ("a small one on the corner", |x, y| DVec2::new(x, y).distance(DVec2::new(8.05, 7.95)) < 0.5),
+    ];
+    for jitter_m in [0.15, 0.3, 0.45] {
+        for (name, is_cut) in scenes {
+            let what = format!("{name}, jitter {jitter_m}");
+            let scene = ragged(jitter_m, |_, x, y| is_cut(x, y));
+            let closing = close(&scene, 0.0);
+            let plan = &closing.planned.plan;
+            assert!(plan.holes.iter().all(|h| h.leave.is_none()), "{what}: {:?}", kit::lines(plan));
+            check_closed(&closing, &what);
         }
     }
-    let open = closing.open_edges();
-    assert!(open.len() <= 8 * ends.len(), "{what}: {} open edges", open.len());
-    for p in open.iter().flatten() {
-        let nearest = ends.iter().map(|e| e.distance(*p)).fold(f64::INFINITY, f64::min);
-        assert!(nearest <= plan.fit.absorb_m, "{what}: a crack {nearest} m from any end, at {p}");
+}
+
+#[test]
+fn strips_belong_to_the_cell_that_comes_first() {
+    for jitter_m in [0.15, 0.3] {
+        let scene = ragged(jitter_m, |_, x, y| (y - 8.0).abs() < 0.1 && (x - 4.0).abs() < 2.0);
+        let closing = close(&scene, 0.0);
+        let plan = &closing.planned.plan;
+        assert!(!plan.holes.is_empty() && plan.curves.is_empty(), "{jitter_m}: {:?}", kit::lines(plan));
+        assert!(plan.holes.iter().all(|h| h.cell == CellId::new(0, 0)), "{jitter_m}: {:?}", kit::lines(plan));
+        check_closed(&closing, &format!("jitter {jitter_m}"));
     }
 }

@@ -9,13 +9,15 @@ use crate::coverage::{Coverage, coverage};
 use crate::cut::{bridge_reach, mark_cuts};
 use crate::group::group;
 use crate::label::label_edges;
+use crate::open_edges::closed_edges;
 use crate::outline::{outline, side_stretches};
 use crate::place::{AreaOutline, PlaceInArea};
 use crate::plan::{Anchor, Hole, Leave, Piece, Plan, PlanOptions};
 use crate::shared::{CellView, SidePiece, share};
+use crate::stitch::{Stitch, stitch};
 use crate::survey::survey_loop;
 use crate::walk::{RawPiece, Walked, walk};
-use crate::{CellSurvey, HoleClass, NotHole, Surveys};
+use crate::{BorderMode, CellSurvey, HoleClass, NotHole, Surveys};
 use lacuna_grid::{AreaLimit, CellId, Domain, Side};
 use lacuna_mesh::{PointId, signed_area};
 use std::collections::BTreeMap;
@@ -45,20 +47,22 @@ pub fn plan(surveys: &Surveys, options: &PlanOptions) -> Plan {
         surveys.iter().chain(&hollow).map(|(c, s)| (*c, s)).collect();
 
     let mut builder = Builder::new(options);
+    // Where tiles are cut along a line, that line tells what lies on the border.
+    let closed = if options.fit.mode == BorderMode::Ragged { closed_edges(&by_cell) } else { Vec::new() };
     let works: BTreeMap<CellId, CellWork> =
-        by_cell.iter().map(|(&c, s)| (c, cell_work(s, options))).collect();
+        by_cell.iter().map(|(&c, s)| (c, cell_work(s, options, &closed))).collect();
     for (cell, work) in &works {
         builder.add_cell(by_cell[cell], work);
     }
     let views: BTreeMap<CellId, CellView<'_>> =
         works.iter().map(|(&c, w)| (c, CellView::new(by_cell[&c], &w.domain, &w.coverage))).collect();
-    builder.finish(&views)
+    builder.finish(&views, &closed)
 }
 
-fn cell_work(survey: &CellSurvey, options: &PlanOptions) -> CellWork {
+fn cell_work(survey: &CellSurvey, options: &PlanOptions, closed: &[(CellId, u32)]) -> CellWork {
     let fit = &options.fit;
     let domain = fit.domain(&options.grid, &options.area, survey.cell);
-    let mut labels = label_edges(survey, &domain, fit);
+    let mut labels = label_edges(survey, &domain, fit, closed);
     mark_cuts(survey, fit, &mut labels);
     let coverage = coverage(survey, &domain, fit, &labels);
     let walked = walk(survey, &coverage, domain.perimeter_m(), fit.gap_m, bridge_reach(survey, fit));
@@ -320,14 +324,22 @@ impl<'a> Builder<'a> {
         self.holes.push(hole);
     }
 
-    fn finish(mut self, views: &BTreeMap<CellId, CellView<'_>>) -> Plan {
-        let shared = share(&self.pieces, views, &self.options.fit);
+    fn finish(mut self, views: &BTreeMap<CellId, CellView<'_>>, closed: &[(CellId, u32)]) -> Plan {
+        let mut shared = share(&self.pieces, views, &self.options.fit);
         for (k, &(hole, at)) in self.places.iter().enumerate() {
             if let Piece::Side { spans, .. } = &mut self.holes[hole].outer[at] {
                 spans.clone_from(&shared.spans[k]);
             }
             let record = &mut self.holes[hole];
             record.leave = record.leave.max(shared.leaves[k]);
+        }
+        let mut corners = corner_vertices(views, &self.options.fit);
+        let all = Stitch { views, pieces: &self.pieces, fit: &self.options.fit, closed };
+        let stitched = stitch(&all, &mut self.holes, &mut shared, &mut corners);
+        let tiles_meet = self.options.fit.mode == BorderMode::Exact || stitched.is_some();
+        for gone in stitched.into_iter().flatten() {
+            self.pieces.retain(|p| p.hole != gone);
+            self.pieces.iter_mut().filter(|p| p.hole > gone).for_each(|p| p.hole -= 1);
         }
         let rule = self.options.rule;
         let clusters = group(&mut self.holes, &self.pieces, &shared.joined, &shared.curves, rule);
@@ -336,10 +348,11 @@ impl<'a> Builder<'a> {
             curves: shared.curves,
             clusters,
             holes: self.holes,
-            corners: corner_vertices(views, &self.options.fit),
+            corners,
             domains: views.iter().map(|(&c, v)| (c, *v.domain)).collect(),
             not_holes: self.not_holes,
             unclear_stretches: self.unclear,
+            tiles_meet,
         }
     }
 }

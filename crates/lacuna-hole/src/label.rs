@@ -1,7 +1,7 @@
 //! Which boundary edges lie on the border of the cell (algorithms note B.2).
 
 use crate::{BorderFit, BorderMode, CellSurvey};
-use lacuna_grid::{Domain, Side};
+use lacuna_grid::{CellId, Domain, Side};
 
 /// What a boundary edge is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,11 +14,22 @@ pub(crate) enum Label {
     Rim,
 }
 
-/// Labels every boundary edge of a cell: border by distance (and direction where tiles are ragged), then short rim runs
-/// that never leave the border's neighbourhood are absorbed.
-pub(crate) fn label_edges(survey: &CellSurvey, domain: &Domain, fit: &BorderFit) -> Vec<Label> {
+/// Labels every boundary edge of a cell: border by distance (and direction where tiles are ragged), and what `closed` says
+/// that another tile meets (sorted; empty where tiles are cut on a line); then short rim runs that never leave the border's
+/// neighbourhood are absorbed.
+pub(crate) fn label_edges(
+    survey: &CellSurvey,
+    domain: &Domain,
+    fit: &BorderFit,
+    closed: &[(CellId, u32)],
+) -> Vec<Label> {
+    let is_closed = |e: u32| closed.binary_search(&(survey.cell, e)).is_ok();
     let mut labels: Vec<Label> = (0..survey.boundary.edges.len() as u32)
-        .map(|e| border_side(survey, domain, fit, e).map_or(Label::Rim, Label::Border))
+        .map(|e| match border_side(survey, domain, fit, e) {
+            Some(side) => Label::Border(side),
+            None if is_closed(e) => Label::Border(nearer(survey, domain, e, &Side::ALL)),
+            None => Label::Rim,
+        })
         .collect();
     for l in &survey.loops {
         absorb(survey, domain, fit, &l.edges, &mut labels);
@@ -65,7 +76,7 @@ fn absorb(survey: &CellSurvey, domain: &Domain, fit: &BorderFit, edges: &[u32], 
             && is_noise(survey, domain, fit, &run_edges, [before, after])
         {
             for e in run_edges {
-                labels[e as usize] = Label::Border(nearer(survey, domain, e, [before, after]));
+                labels[e as usize] = Label::Border(nearer(survey, domain, e, &[before, after]));
             }
         }
         k += run + 1;
@@ -91,11 +102,12 @@ fn is_noise(
     farthest <= fit.tolerance_m || farthest <= fit.absorb_m && (is_short || is_narrow)
 }
 
-/// Of two sides the one that an edge's ends are nearer to; the first if equally near.
-fn nearer(survey: &CellSurvey, domain: &Domain, edge: u32, sides: [Side; 2]) -> Side {
+/// Of some sides the one that an edge's ends are nearest to; the first if equally near.
+fn nearer(survey: &CellSurvey, domain: &Domain, edge: u32, sides: &[Side]) -> Side {
     let far = |side: Side| {
         let ends = [survey.from(edge), survey.to(edge)];
         ends.map(|p| domain.outside_m(side, p.truncate()).abs()).into_iter().fold(0.0, f64::max)
     };
-    if far(sides[1]) < far(sides[0]) { sides[1] } else { sides[0] }
+    let nearest = sides.iter().copied().min_by(|a, b| far(*a).total_cmp(&far(*b)));
+    nearest.unwrap_or(Side::South)
 }

@@ -221,6 +221,10 @@ pub struct Plan {
     pub not_holes: BTreeMap<NotHole, u32>,
     /// Uncovered stretches of borders without rims to tell what they are.
     pub unclear_stretches: u32,
+    /// True unless tiles are ragged or overlap and share no vertices along their borders: then what was delivered is open
+    /// there, and patches meet only along closing curves.
+    #[serde(skip)]
+    pub tiles_meet: bool,
 }
 
 impl Plan {

@@ -36,3 +36,4 @@ pub use polygon::{
     segments_cross, side_of_line, signed_area,
 };
 pub use quality::{QualityStats, smallest_angle_deg, triangle_quality};
+pub use turn::clockwise_order;

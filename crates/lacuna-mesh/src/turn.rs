@@ -59,7 +59,8 @@ fn least_axis(direction: DVec3) -> DVec3 {
 
 /// Which of the directions `origin -> a` and `origin -> b` comes first when one rotates clockwise round `origin`,
 /// starting at the direction of `back` (itself first). Exact.
-pub(crate) fn clockwise_order(origin: DVec2, back: DVec2, a: DVec2, b: DVec2) -> Ordering {
+#[must_use]
+pub fn clockwise_order(origin: DVec2, back: DVec2, a: DVec2, b: DVec2) -> Ordering {
     let (sector_a, sector_b) = (sector(origin, back, a), sector(origin, back, b));
     let within = side(origin, a, b).partial_cmp(&0.0).unwrap_or(Ordering::Equal);
     sector_a.cmp(&sector_b).then(within)

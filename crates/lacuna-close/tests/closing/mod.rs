@@ -212,7 +212,9 @@ impl Closing<'_> {
             for (k, l) in survey.loops.iter().enumerate() {
                 let is_loose = plan.holes.iter().all(|h| {
                     h.cell != cell
-                        || h.outer.iter().all(|p| !matches!(p, Piece::Rim(r) if r.contains(&l.edges[0])))
+                        || h.outer
+                            .iter()
+                            .all(|p| !matches!(p, Piece::Rim(r) if l.edges.iter().any(|e| r.contains(e))))
                 });
                 let small = survey.components.get(l.component as usize).is_some_and(|c| c.triangles < 50);
                 if is_loose && small && l.vector_area.z < 0.0 && !is_island(cell, k as u32) {
