@@ -327,6 +327,8 @@ fn new_hole(cell: CellId, face: &Face, is_external: bool) -> Hole {
         layer: 1,
         outer: Vec::new(),
         islands: Vec::new(),
+        passed_under: Vec::new(),
+        class_without_islands: Some(class),
         external_share: if is_external { 1.0 } else { 0.0 },
         is_external,
         area_m2: face.area_m2,

@@ -22,6 +22,7 @@ mod scan;
 mod select;
 mod solve;
 mod water_places;
+mod watertight;
 mod write;
 
 pub use error::RunError;

@@ -4,6 +4,7 @@ use super::RunError;
 use super::context::{Context, StageKind, Stages};
 use super::field::{Fields, solve_fields};
 use super::frames::Frames;
+use super::watertight::Watertight;
 use crate::config::{ClosedFiller, FillSettings, MethodName, OpenFiller};
 use glam::DVec3;
 use lacuna_close::{CellContour, Curves, LayeredOptions, Source, Water, contour, project};
@@ -23,6 +24,8 @@ pub(crate) struct FilledHole {
     pub(crate) rim: Vec<DVec3>,
     /// Where each of them comes from.
     pub(crate) sources: Vec<Source>,
+    /// How many of them each ring has.
+    pub(crate) ring_lengths: Vec<usize>,
     pub(crate) patch: Patch,
     pub(crate) filler: Filler,
     pub(crate) quality: QualityStats,
@@ -62,7 +65,8 @@ const GROWTH: f64 = 0.3;
 ///
 /// Steps: curves from the rims, layer by layer, and the fields of the clusters that use them, which raise their curves and
 /// patches; patches, a barrier after every layer; then the curves between holes of one layer that no field raised are
-/// smoothed towards the patches on both sides and the cells they touch are filled again.
+/// smoothed towards the patches on both sides and the cells they touch are filled again. A cluster that its patches do not
+/// close is tried once more without its field, then left.
 pub(crate) fn solve(
     surveys: &Surveys,
     plan: &Plan,
@@ -89,7 +93,10 @@ pub(crate) fn solve(
     let (mut curves, fields) = stages.measure("close", || filler.close(todo))?;
     filler.fields = fields;
     let mut fills = stages.measure("fill", || filler.fill_layers(todo, &curves))?;
-    stages.measure("seams", || filler.smooth(&mut curves, &mut fills))?;
+    stages.measure("seams", || {
+        filler.smooth(&mut curves, &mut fills)?;
+        filler.close_or_leave(todo, &curves, &mut fills)
+    })?;
     Ok(Solved { fills, curves, water: filler.fields.water })
 }
 
@@ -163,6 +170,47 @@ impl HoleFiller<'_> {
         self.context.progress.start(StageKind::Seams, again.len() as u64, again.len() as u64);
         fills.extend(self.fill_all(&again, curves)?);
         Ok(())
+    }
+
+    /// Tries clusters that a field did not close with `layered`, and leaves those that their patches do not close.
+    fn close_or_leave(
+        &mut self,
+        todo: &BTreeSet<u32>,
+        curves: &Curves,
+        fills: &mut Fills,
+    ) -> Result<(), RunError> {
+        let clusters: BTreeSet<u32> = todo.iter().map(|&h| self.plan.holes[h as usize].cluster).collect();
+        let mut again = BTreeSet::new();
+        for &c in &clusters {
+            let holes = &self.plan.clusters[c as usize].holes;
+            let raised = holes.iter().any(|h| self.fields.holes.contains_key(h));
+            if let Some(reason) = self.problem(c, curves, fills).filter(|_| raised) {
+                for h in holes {
+                    self.fields.holes.remove(h);
+                    self.fields.refused.insert(*h, reason.clone());
+                }
+                self.fields.water.remove(&c);
+                again.extend(holes);
+            }
+        }
+        fills.extend(self.fill_all(&again, curves)?);
+        let judge = Watertight { surveys: self.surveys, plan: self.plan, curves };
+        for c in clusters {
+            if let Some(reason) = judge.defect(c, fills) {
+                for &h in &self.plan.clusters[c as usize].holes {
+                    fills.insert(h, Err(NotFilled { is_refusal: true, reason: reason.clone() }));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Why a cluster cannot be written as it is filled.
+    fn problem(&self, cluster: u32, curves: &Curves, fills: &Fills) -> Option<String> {
+        let holes = &self.plan.clusters[cluster as usize].holes;
+        let own = holes.iter().find_map(|h| Some(fills.get(h)?.as_ref().err()?.reason.clone()));
+        let judge = Watertight { surveys: self.surveys, plan: self.plan, curves };
+        own.or_else(|| judge.defect(cluster, fills))
     }
 
     /// Fills holes in parallel; each is a job of its own, largest first.
@@ -240,6 +288,7 @@ impl HoleFiller<'_> {
         add_strip(&contour, &mut filled.patch);
         Ok(FilledHole {
             rim: contour.contour.positions(),
+            ring_lengths: contour.contour.rings().map(|r| r.vertices.len()).collect(),
             sources: contour.sources,
             patch: filled.patch,
             filler: filled.filler,

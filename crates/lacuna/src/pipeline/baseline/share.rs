@@ -169,6 +169,8 @@ impl Growing {
         FilledHole {
             rim: self.rim,
             sources: self.sources,
+            // Its triangles run over the borders: no cell has an outline of its own.
+            ring_lengths: Vec::new(),
             patch: Patch { vertices: self.vertices, triangles },
             filler,
             quality,
