@@ -92,7 +92,9 @@ fn check_geometry(
         .filter(|h| h.outcome == Outcome::Filled)
         .filter_map(|h| Some(FilledHole { id: &h.id, outline: context.records.outlines.get(&h.id)? }))
         .collect();
-    let (holes_left, is_open) = check_filled(&changed.tile, &filled, cell, &boundary);
+    let is_ragged = layout.fit.mode == BorderMode::Ragged;
+    let inset_m = if is_ragged { layout.tolerance_m() } else { 0.0 };
+    let (holes_left, is_open) = check_filled(&changed.tile, &filled, cell, &boundary, inset_m);
     found.holes_left = holes_left;
     let check = PatchCheck {
         tile: &changed.tile,
@@ -102,6 +104,7 @@ fn check_geometry(
         is_open: &is_open,
         domain: &domain,
         tolerance_m: layout.tolerance_m(),
+        is_ragged,
     };
     found.patches.take(check_patches(&check));
     let islands: Vec<_> =

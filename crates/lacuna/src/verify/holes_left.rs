@@ -14,7 +14,7 @@ const SLIT_M: f64 = 0.005;
 const LINES: usize = 7;
 /// Places looked at in each hole, across its longer extent.
 const SAMPLES_ACROSS: f64 = 48.0;
-/// Places nearer to an outline are not looked at: outlines are rounded to millimetres.
+/// Places nearer to an outline are never looked at: outlines are rounded to millimetres.
 const INSET_M: f64 = 0.01;
 
 /// A hole that the report calls filled.
@@ -25,12 +25,14 @@ pub(super) struct FilledHole<'a> {
 
 /// Looks for the filled holes of a cell in its final mesh: (1) no boundary loop round missing surface lies inside one;
 /// (2) places spread over each are covered by a triangle, seen from above. Also returns, for every boundary edge, whether it
-/// belongs to such a loop.
+/// belongs to such a loop. Places nearer than `inset_m` to an outline are not looked at: outlines are rounded, and those of
+/// ragged tiles are drawn roughly along the border.
 pub(super) fn check_filled(
     tile: &str,
     holes: &[FilledHole<'_>],
     cell: &CellMesh,
     boundary: &Boundary,
+    inset_m: f64,
 ) -> (Findings, Vec<bool>) {
     let mut findings = Findings::default();
     findings.count("filled holes looked for", holes.len() as u64);
@@ -43,7 +45,7 @@ pub(super) fn check_filled(
             findings.offend(format!("{tile} {what}"));
         }
     }
-    check_cover(tile, holes, cell, &patches, &mut findings);
+    check_cover(tile, holes, cell, &patches, inset_m.max(INSET_M), &mut findings);
     (findings, is_open)
 }
 
@@ -93,11 +95,12 @@ fn check_cover(
     holes: &[FilledHole<'_>],
     cell: &CellMesh,
     patches: &PlanIndex,
+    inset_m: f64,
     findings: &mut Findings,
 ) {
     let mut open: Vec<(usize, DVec2)> = Vec::new();
     for (number, hole) in holes.iter().enumerate() {
-        let samples = samples(hole.outline);
+        let samples = samples(hole.outline, inset_m);
         findings.count("places looked at", samples.len() as u64);
         open.extend(samples.into_iter().filter(|p| patches.over(*p).next().is_none()).map(|p| (number, p)));
     }
@@ -127,7 +130,7 @@ fn surface(cell: &CellMesh, wanted: impl Fn(u32) -> bool) -> PlanIndex {
 }
 
 /// Places of a square grid inside an outline, not too near to it.
-fn samples(outline: &PolygonSet) -> Vec<DVec2> {
+fn samples(outline: &PolygonSet, inset_m: f64) -> Vec<DVec2> {
     let points = || outline.rings.iter().flatten();
     let low = points().fold(DVec2::INFINITY, |m, p| m.min(*p));
     let high = points().fold(DVec2::NEG_INFINITY, |m, p| m.max(*p));
@@ -147,16 +150,16 @@ fn samples(outline: &PolygonSet) -> Vec<DVec2> {
             places.extend((first..=last).map(|k| DVec2::new(low.x + k as f64 * step, y)));
         }
     }
-    places.retain(|p| !is_near_outline(outline, *p));
+    places.retain(|p| !is_near_outline(outline, *p, inset_m));
     places
 }
 
-fn is_near_outline(outline: &PolygonSet, point: DVec2) -> bool {
+fn is_near_outline(outline: &PolygonSet, point: DVec2, inset_m: f64) -> bool {
     let near = |a: DVec2, b: DVec2| {
         let along = b - a;
         let length = along.length_squared();
         let t = if length > 0.0 { ((point - a).dot(along) / length).clamp(0.0, 1.0) } else { 0.0 };
-        point.distance_squared(a + along * t) < INSET_M * INSET_M
+        point.distance_squared(a + along * t) < inset_m * inset_m
     };
     outline.rings.iter().any(|ring| (0..ring.len()).any(|i| near(ring[i], ring[(i + 1) % ring.len()])))
 }
@@ -173,11 +176,11 @@ mod tests {
     fn samples_lie_inside_and_leave_islands_out() {
         let square = |a: f64, b: f64| ring(&[(a, a), (b, a), (b, b), (a, b)]);
         let outline = PolygonSet { rings: vec![square(0.0, 10.0), square(4.0, 6.0)] };
-        let places = samples(&outline);
+        let places = samples(&outline, INSET_M);
         assert!(places.len() > 1500, "{}", places.len());
         assert!(places.iter().all(|p| outline.contains(*p)));
-        assert!(samples(&PolygonSet::default()).is_empty());
-        assert!(samples(&PolygonSet { rings: vec![ring(&[(1.0, 1.0)])] }).is_empty());
+        assert!(samples(&PolygonSet::default(), INSET_M).is_empty());
+        assert!(samples(&PolygonSet { rings: vec![ring(&[(1.0, 1.0)])] }, INSET_M).is_empty());
     }
 
     #[test]

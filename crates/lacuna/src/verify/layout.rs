@@ -8,7 +8,7 @@ use crate::geometry::box_near_cell;
 use crate::report::Report;
 use crate::{ExitCode, RunError};
 use glam::DVec2;
-use lacuna_grid::{Area, CellId, Domain, Grid, GridHints, TileBox, infer_grid};
+use lacuna_grid::{Area, CellId, Domain, Grid, GridHints, Side, SideLabel, TileBox, infer_grid};
 use lacuna_hole::{BorderFit, BorderMode, CellSurvey, Surveys, fit_borders};
 use lacuna_mesh::{Band, Boundary, Bounds, Fans, TriMesh, boundary};
 use lacuna_tile::{ReadOptions, Scene, TileGroup, UpAxis, read_tile};
@@ -75,13 +75,20 @@ impl Layout {
         Domain::new(&self.grid, &self.area, cell, self.fit.margin_m)
     }
 
+    /// True if a place lies on the area's border, as one of its cells sees it.
+    pub(super) fn is_outer(&self, cell: CellId, place: DVec2) -> bool {
+        let domain = self.domain(cell);
+        let is_near = |s: Side| domain.outside_m(s, place) >= -self.tolerance_m();
+        Side::ALL.into_iter().any(|s| domain.side(s).label == SideLabel::External && is_near(s))
+    }
+
     /// Boundary edges of a delivered tile near its borders.
     pub(super) fn delivered_border(&self, cell: CellId) -> Vec<BorderEdge> {
         let Some(survey) = self.surveys.get(&cell) else { return Vec::new() };
         self.border_edges(cell, &survey.boundary, |_| false)
     }
 
-    /// Boundary edges near the cell's borders; in overrun mode they are not needed.
+    /// Boundary edges near the cell's borders; all of ragged tiles; in overrun mode they are not needed.
     pub(super) fn border_edges(
         &self,
         cell: CellId,
@@ -93,13 +100,14 @@ impl Layout {
         }
         let domain = self.domain(cell);
         let reach = self.tolerance_m();
-        let near = |p: DVec2| lacuna_grid::Side::ALL.iter().any(|s| domain.outside_m(*s, p).abs() <= reach);
+        let near = |p: DVec2| Side::ALL.iter().any(|s| domain.outside_m(*s, p).abs() <= reach);
         let edges = boundary.edges.iter().map(|e| BorderEdge {
             from: boundary.position(e.from),
             to: boundary.position(e.to),
             is_patch: is_patch(e.face.index()),
         });
-        edges.filter(|e| near(e.from.truncate()) && near(e.to.truncate())).collect()
+        let is_ragged = self.fit.mode == BorderMode::Ragged;
+        edges.filter(|e| is_ragged || near(e.from.truncate()) && near(e.to.truncate())).collect()
     }
 }
 

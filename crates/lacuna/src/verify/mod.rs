@@ -15,6 +15,7 @@ mod patch_mesh;
 mod patch_plan;
 mod patches;
 mod plan_index;
+mod ragged;
 mod records;
 mod run;
 mod seams;

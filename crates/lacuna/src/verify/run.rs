@@ -6,6 +6,7 @@ use super::cell::{CellFindings, ChangedCell, Context, check_cell};
 use super::files::{Files, check_files};
 use super::layout::{Layout, group_bytes, read_options};
 use super::overlap::{CellStrips, check_overlaps};
+use super::ragged::check_ragged;
 use super::records::Records;
 use super::seams::{CellBorder, check_seams};
 use super::verdict::{Findings, PromiseResult, Verdict};
@@ -277,12 +278,14 @@ fn seams(
     let mut findings = match layout.fit.mode {
         BorderMode::Overrun => check_overlaps(strips, grid, layout.fit.margin_m, tolerance_m),
         BorderMode::Exact => check_seams(&borders, grid, tolerance_m, &layout.area.cells, &layout.unreadable),
-        BorderMode::Ragged | BorderMode::Overlap => Findings::default(),
+        BorderMode::Ragged => check_ragged(&borders, |cell, place| layout.is_outer(cell, place)),
+        BorderMode::Overlap => Findings::default(),
     };
     findings.note(format!("tiles meet their borders: {:?}", layout.fit.mode).to_lowercase());
-    if matches!(layout.fit.mode, BorderMode::Ragged | BorderMode::Overlap) {
+    if layout.fit.mode == BorderMode::Overlap {
         findings.note("such tiles share no border vertices, and their overlap has no fixed width to compare");
     }
-    let is_judged = findings.counted("border vertices") + findings.counted("samples") > 0;
+    let judged = ["border vertices", "border edges", "samples"].map(|what| findings.counted(what));
+    let is_judged = judged.iter().sum::<u64>() > 0;
     findings.into_result(4, TITLES[3], is_judged)
 }
