@@ -1,10 +1,11 @@
 //! How each tile stores positions, and border points that come back alike from both tiles of a border (decisions 10).
 
 use super::scan::CellTile;
+use super::solve::Fills;
 use glam::DVec3;
-use lacuna_close::Curves;
+use lacuna_close::{Curves, Source};
 use lacuna_grid::CellId;
-use lacuna_hole::{CurveKind, Plan};
+use lacuna_hole::{BorderMode, CurveKind, Plan};
 use lacuna_tile::VertexFrame;
 use std::collections::BTreeMap;
 
@@ -71,9 +72,18 @@ impl Frames {
         frames
     }
 
-    /// Compares what both tiles of every shared curve store.
-    pub(crate) fn compare(&self, plan: &Plan, curves: &Curves, filled: impl Fn(u32) -> bool) -> SeamFacts {
+    /// Compares what both tiles of every shared curve store, and where tiles are ragged also what they take from others.
+    pub(crate) fn compare(
+        &self,
+        plan: &Plan,
+        curves: &Curves,
+        fills: &Fills,
+        filled: impl Fn(u32) -> bool,
+    ) -> SeamFacts {
         let mut facts = SeamFacts::default();
+        if plan.fit.mode == BorderMode::Ragged {
+            self.compare_adopted(plan, fills, &filled, &mut facts);
+        }
         for (k, curve) in plan.curves.iter().enumerate() {
             if curve.kind != CurveKind::Shared || !curve.holes.iter().all(|&h| filled(h)) {
                 continue;
@@ -92,6 +102,29 @@ impl Frames {
             }
         }
         facts
+    }
+}
+
+impl Frames {
+    /// Compares the vertices that patches take from other tiles with what their own tile stores.
+    fn compare_adopted(
+        &self,
+        plan: &Plan,
+        fills: &Fills,
+        filled: &impl Fn(u32) -> bool,
+        facts: &mut SeamFacts,
+    ) {
+        for (&h, fill) in fills.iter().filter(|f| filled(*f.0)) {
+            let (Some(frame), Ok(fill)) = (self.of(plan.holes[h as usize].cell), fill) else { continue };
+            for (source, &p) in fill.sources.iter().zip(&fill.rim) {
+                if matches!(source, Source::Adopted(..)) {
+                    facts.shared_vertices += 1;
+                    let gap_m = frame.round(p).distance(p);
+                    facts.differing_vertices += u64::from(gap_m > 0.0);
+                    facts.max_gap_m = facts.max_gap_m.max(gap_m);
+                }
+            }
+        }
     }
 }
 

@@ -366,7 +366,7 @@ fn finish(
     let seams = if curves.curves.is_empty() {
         SeamFacts::default()
     } else {
-        frames(planned).compare(plan, curves, is_filled)
+        frames(planned).compare(plan, curves, fills, is_filled)
     };
     let holes = hole_records(plan, &planned.names, &outcomes, fills);
     let report = Report {
