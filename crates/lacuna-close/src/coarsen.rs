@@ -243,7 +243,7 @@ mod tests {
     /// A square of `n` by `n` places, the middle third four times as coarse.
     fn square(n: u32) -> (Vec<DVec2>, Vec<[u32; 3]>) {
         let shake = |k: u32| 0.2 * libm::sin(f64::from(k) * 12.9898);
-        let inner = |k: u32| k % n > 0 && k % n < n - 1 && k / n > 0 && k / n < n - 1;
+        let inner = |k: u32| [k % n, k / n].iter().all(|i| (1..n - 1).contains(i));
         let place = |k: u32| {
             let even = DVec2::new(f64::from(k % n), f64::from(k / n));
             if inner(k) { even + DVec2::new(shake(k), shake(k + 77)) } else { even }
