@@ -84,6 +84,9 @@ pub fn field(
     }
     let ClusterRegion { region, new, joints } = cluster_region(surveys, plan, parts);
     let water = rule.water(&rim_points(parts), 2.0 * region.radius_m, region.edge_m);
+    if water.is_none() && parts.iter().any(|p| !p.hole.passed_under.is_empty()) {
+        return Err(FieldError::DryIslands);
+    }
     let HeightField { heights_m, outlier_share, tension_steps, smoothing_edges, unknowns } = match &water {
         Some(water) => HeightField { heights_m: flat_water(&region, &water.plane), ..HeightField::default() },
         None => height_field(&region, params, solver)?,
@@ -103,7 +106,9 @@ pub fn field(
 }
 
 /// What a place of a region takes, and what building the region takes for it, bytes.
-const REGION_BYTES: u64 = 140;
+const REGION_BYTES: u64 = 100;
+/// The nearest rim vertex and the height of a place.
+const WATER_BYTES: u64 = 40;
 
 /// Memory that [`field`] takes at its peak, bytes, measured on the cluster's own system. Measuring takes
 /// [`measuring_bytes`] itself.
@@ -115,10 +120,16 @@ pub fn field_bytes(
     plan: &Plan,
     parts: &[FieldPart<'_>],
     params: &FieldParams,
+    rule: WaterRule,
     solver: &dyn Solver,
 ) -> Result<u64, FieldError> {
     let region = cluster_region(surveys, plan, parts).region;
-    Ok(height_field_bytes(&region, params, solver)? + REGION_BYTES * region.places.len() as u64)
+    let of_region = (REGION_BYTES + WATER_BYTES) * region.places.len() as u64;
+    // Known water is no system.
+    match rule.water(&rim_points(parts), 2.0 * region.radius_m, region.edge_m) {
+        Some(_) => Ok(of_region),
+        None => Ok(height_field_bytes(&region, params, solver)? + of_region),
+    }
 }
 
 /// What [`field_bytes`] takes for a region of so many places, bytes: the region, the matrix and its order, no factor.

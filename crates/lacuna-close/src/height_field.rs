@@ -91,6 +91,9 @@ pub enum FieldError {
     /// A part of the region hangs on no height.
     #[error("a part of the hole has no surface round it")]
     NoData,
+    /// Islands hover, but with them the rim shows no water.
+    #[error("with all islands that stay the rim shows no water")]
+    DryIslands,
     /// A vertex of a part has no triangle that counts.
     #[error("a vertex of the patch has no triangle in plan")]
     LooseVertex,
@@ -135,6 +138,8 @@ pub fn height_field(
 const FIT_BYTES: u64 = 240;
 /// The same for the places of the whole region where a coarser one is fitted.
 const REFINE_BYTES: u64 = 180;
+/// What a wanted place takes while the surface is joined to the rim: its Laplacian as triplets and as columns.
+const JOIN_BYTES: u64 = 500;
 /// Copies of the matrix at the peak: energy, with data, and the factor's.
 const MATRIX_COPIES: u64 = 3;
 
@@ -152,11 +157,13 @@ pub(crate) fn height_field_bytes(
         let copies = MATRIX_COPIES * matrix.bytes();
         Ok(copies + solver.factor_bytes(&matrix)? + FIT_BYTES * places.len() as u64)
     };
+    let joining = JOIN_BYTES * region.data.iter().filter(|d| d.is_none()).count() as u64;
     if region.places.len() <= params.max_unknowns {
-        return system(&region.places, &region.triangles);
+        return Ok(system(&region.places, &region.triangles)?.max(joining));
     }
     let coarse = coarsen(&region.places, &region.triangles, region.edge_m, params.max_unknowns);
-    Ok(system(&coarse.places, &coarse.triangles)? + REFINE_BYTES * region.places.len() as u64)
+    let refining = REFINE_BYTES * region.places.len() as u64;
+    Ok((system(&coarse.places, &coarse.triangles)? + refining).max(joining))
 }
 
 /// A region's heights without their trend, which no energy sees: numbers stay small however high the ground is.

@@ -1,7 +1,7 @@
 //! Which data a fit does not see, to be judged by them.
 
 use crate::plate::Plate;
-use crate::sample::Sample;
+use crate::sample::{Sample, Spot};
 
 /// One datum in so many is held back alone.
 const SCATTERED: usize = 5;
@@ -26,13 +26,24 @@ pub(crate) fn arcs(plate: &Plate<'_>, samples: &[Sample], is_wanted: &[bool], ed
         seen_by: vec![u32::MAX; is_wanted.len()],
     };
     for sample in samples {
-        let middle = sample.spot.corners[0];
-        if arcs.distance_m[middle as usize] == f64::INFINITY {
+        if let Some(middle) =
+            seat(sample, is_wanted).filter(|&v| arcs.distance_m[v as usize] == f64::INFINITY)
+        {
             arcs.spread(middle);
         }
     }
-    let is_held = |k: &usize| arcs.distance_m[samples[*k].spot.corners[0] as usize] <= arcs.reach_m;
+    let is_held = |k: &usize| {
+        seat(&samples[*k], is_wanted).is_some_and(|v| arcs.distance_m[v as usize] <= arcs.reach_m)
+    };
     (0..samples.len()).filter(is_held).collect()
+}
+
+/// The place that stands for a sample: of the corners of its triangle that have data the one with the largest share.
+fn seat(sample: &Sample, is_wanted: &[bool]) -> Option<u32> {
+    let Spot { corners, shares } = sample.spot;
+    let with_data = (0..3).filter(|&k| !is_wanted[corners[k] as usize]);
+    // `max_by` takes the last of equals; reversed, that is the first.
+    with_data.rev().max_by(|&a, &b| shares[a].total_cmp(&shares[b])).map(|k| corners[k])
 }
 
 struct Arcs<'a> {

@@ -246,7 +246,8 @@ pub struct FindSettings {
     pub shape: Vec<HoleShapeFilter>,
 }
 
-/// Places that one solve of method `field` may have by default: about half a gibibyte.
+/// Places that one solve of method `field` may have by default: half a gibibyte for a river, a little over
+/// one for a wide lake.
 const MAX_UNKNOWNS: usize = 400_000;
 
 /// How holes are filled.

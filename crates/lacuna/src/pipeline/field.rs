@@ -169,6 +169,10 @@ impl Fit<'_> {
         FieldParams { max_unknowns, ..FieldParams::default() }
     }
 
+    fn rule(&self) -> WaterRule {
+        water_rule((self.filler.settings_of)(self.holes[0]).water)
+    }
+
     /// Places in the region, about.
     fn places(&self) -> f64 {
         let of_hole = |&h: &u32| {
@@ -185,15 +189,14 @@ impl Fit<'_> {
     fn measured_bytes(&self) -> Result<u64, String> {
         let filler = self.filler;
         self.with_parts(|parts| {
-            field_bytes(filler.surveys, filler.plan, parts, &self.params(), filler.solver)
+            field_bytes(filler.surveys, filler.plan, parts, &self.params(), self.rule(), filler.solver)
         })
     }
 
     fn fit(&self) -> Result<ClusterField, String> {
         let filler = self.filler;
-        let rule = water_rule((filler.settings_of)(self.holes[0]).water);
         self.with_parts(|parts| {
-            field(filler.surveys, filler.plan, parts, &self.params(), rule, filler.solver)
+            field(filler.surveys, filler.plan, parts, &self.params(), self.rule(), filler.solver)
         })
     }
 

@@ -47,7 +47,8 @@ impl WaterPlaces {
         }
         let shares: Vec<f64> = self.polygons.iter().map(|p| p.area_in(plan, cluster)).collect();
         let whole: f64 = outlines(plan, cluster).map(|ring| lacuna_mesh::signed_area(ring).abs()).sum();
-        if shares.iter().sum::<f64>() < MAJORITY * whole {
+        // A hole in a wall has no area from above.
+        if whole <= 0.0 || shares.iter().sum::<f64>() < MAJORITY * whole {
             return None;
         }
         // `max_by` takes the last of equals; reversed, that is the first.
