@@ -32,6 +32,20 @@ pub(crate) struct Problem<'a> {
     pub(crate) tension: f64,
 }
 
+/// What held-back data choose where nothing is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Chosen {
+    /// Smoothing length, rim edges.
+    pub(crate) smoothing_edges: f64,
+    /// Times the tension by which others are measured.
+    pub(crate) tension: f64,
+}
+
+/// Chooses smoothing and tension by the data of `problem`.
+pub(crate) fn choose(problem: &Problem<'_>, solver: &dyn Solver) -> Result<Chosen, SolveError> {
+    Fit::new(problem, solver)?.choose()
+}
+
 /// A fitted surface and how it came about.
 pub(crate) struct Fitted {
     /// Height at each place, metres.
@@ -48,15 +62,7 @@ pub(crate) struct Fitted {
 /// Minimises the energy of [`crate::height_field`] over the places of `problem`.
 pub(crate) fn fit(problem: &Problem<'_>, solver: &dyn Solver) -> Result<Fitted, SolveError> {
     let mut fit = Fit::new(problem, solver)?;
-    let smoothing_edges = match problem.params.smoothing_edges {
-        Some(given) => given,
-        None => fit.best_smoothing()?,
-    };
-    fit.set_smoothing(smoothing_edges);
-    let tension = match problem.params.tension {
-        Some(given) => given,
-        None => fit.best_tension()?,
-    };
+    let Chosen { smoothing_edges, tension } = fit.choose()?;
     fit.set_tension(tension)?;
     fit.refactor()?;
     let (heights_m, tension_steps) = fit.solve_guarded()?;
@@ -86,6 +92,21 @@ impl<'a> Fit<'a> {
         let factor = solver.factor(&energy.plus(data_entries(problem, &robust, length4))?)?;
         let floor_m = problem.params.noise_floor_edges * problem.edge_m;
         Ok(Self { problem, length4, tension: problem.tension, floor_m, energy, factor, robust })
+    }
+
+    /// Smoothing first; it stays set.
+    fn choose(&mut self) -> Result<Chosen, SolveError> {
+        let params = self.problem.params;
+        let smoothing_edges = match params.smoothing_edges {
+            Some(given) => given,
+            None => self.best_smoothing()?,
+        };
+        self.set_smoothing(smoothing_edges);
+        let tension = match params.tension {
+            Some(given) => given,
+            None => self.best_tension()?,
+        };
+        Ok(Chosen { smoothing_edges, tension })
     }
 
     fn set_smoothing(&mut self, edges: f64) {

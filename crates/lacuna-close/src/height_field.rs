@@ -1,9 +1,10 @@
 //! One surface over the whole hole of a cluster: a robust thin plate with tension (algorithms D.3).
 
+use crate::blocks::{Block, block, split};
 use crate::coarsen::coarsen;
-use crate::fit::{Problem, fit, outlier_share};
+use crate::fit::{Chosen, Problem, choose, fit, outlier_share};
 use crate::plate::Plate;
-use crate::refine::{Refinement, refine};
+use crate::refine::{Refinement, core_limit, refine};
 use crate::rim_join::join_rim;
 use crate::sample::{Sample, Spot};
 use glam::DVec2;
@@ -217,6 +218,12 @@ impl Ground {
 
     fn fitted_coarsely(&self, region: &Region, params: &FieldParams, solver: &dyn Solver) -> Fitted {
         let whole = Plate::new(&region.places, &region.triangles);
+        let chosen = self.chosen_on_part(region, &whole, params, solver)?;
+        let given = FieldParams {
+            smoothing_edges: Some(chosen.smoothing_edges),
+            tension: Some(chosen.tension),
+            ..*params
+        };
         let coarse = coarsen(&region.places, &region.triangles, region.edge_m, params.max_unknowns);
         let plate = Plate::new(&coarse.places, &coarse.triangles);
         let mut samples = self.samples(region, &whole.mass_m2, |v| coarse.spots[v]);
@@ -225,7 +232,7 @@ impl Ground {
             plate: &plate,
             samples: &samples,
             is_wanted: &wanted,
-            params,
+            params: &given,
             edge_m: region.edge_m,
             tension: tension(region),
         };
@@ -252,6 +259,40 @@ impl Ground {
             ..HeightField::default()
         };
         Ok((field, z))
+    }
+}
+
+impl Ground {
+    /// Smoothing and tension by the part of a large region that has most data: coarse triangles see neither.
+    fn chosen_on_part(
+        &self,
+        region: &Region,
+        whole: &Plate<'_>,
+        params: &FieldParams,
+        solver: &dyn Solver,
+    ) -> Result<Chosen, FieldError> {
+        let parts = split(&region.places, core_limit(params));
+        let data = |part: &&Vec<u32>| part.iter().filter(|&&v| !self.is_wanted[v as usize]).count();
+        // `max_by_key` takes the last of equals; reversed, that is the first.
+        let core = parts.iter().rev().max_by_key(data).map_or(&[][..], Vec::as_slice);
+        let Block { members, triangles, .. } = block(core, 0, &region.triangles, &whole.fans);
+        let places: Vec<DVec2> = members.iter().map(|&v| region.places[v as usize]).collect();
+        let sample = |(k, &v): (u32, &u32)| {
+            let v = v as usize;
+            let mass_m2 = region.data[v]?.weight * whole.mass_m2[v];
+            Some(Sample { spot: Spot::vertex(k), height_m: self.height_m(region, v)?, mass_m2 })
+        };
+        let samples: Vec<Sample> = (0..).zip(&members).filter_map(sample).collect();
+        let is_wanted: Vec<bool> = members.iter().map(|&v| self.is_wanted[v as usize]).collect();
+        let problem = Problem {
+            plate: &Plate::new(&places, &triangles),
+            samples: &samples,
+            is_wanted: &is_wanted,
+            params,
+            edge_m: region.edge_m,
+            tension: tension(region),
+        };
+        Ok(choose(&problem, solver)?)
     }
 }
 

@@ -20,8 +20,9 @@ pub(crate) struct Refinement<'a> {
     pub(crate) length_m: f64,
 }
 
-/// Sweeps over all blocks. What the coarse fit lacks is short-waved, so that few are enough.
-const SWEEPS: usize = 2;
+/// Weights of the sweeps over all blocks. What the coarse fit lacks is short-waved, so that few are enough; they begin mildly,
+/// for against coarse triangles the ground's own shape looks like outliers.
+const SWEEPS: [Kind; 4] = [Kind::Huber, Kind::Huber, Kind::Tukey, Kind::Tukey];
 /// Rings by which blocks overlap.
 const OVERLAP: usize = 6;
 /// A core of this share of the places that a solve may have leaves room for the overlap.
@@ -38,18 +39,22 @@ pub(crate) fn refine(
     z: &mut [f64],
     solver: &dyn Solver,
 ) -> Result<Vec<f64>, SolveError> {
-    let limit = (CORE_SHARE * problem.params.max_unknowns as f64) as usize;
-    let cores = split(problem.plate.places, limit);
+    let cores = split(problem.plate.places, core_limit(problem.params));
     let sample_of = samples_by_place(problem, z.len());
     let floor_m = problem.params.noise_floor_edges * problem.edge_m;
-    for _ in 0..SWEEPS {
+    for kind in SWEEPS {
         let residuals: Vec<f64> = problem.samples.iter().map(|s| s.residual_m(z)).collect();
-        robust = robust_weights(&residuals, Kind::Tukey, floor_m);
+        robust = robust_weights(&residuals, kind, floor_m);
         for core in &cores {
             solve_block(problem, core, &sample_of, &robust, z, solver)?;
         }
     }
     Ok(robust)
+}
+
+/// Places that the core of a block may have.
+pub(crate) fn core_limit(params: &FieldParams) -> usize {
+    (CORE_SHARE * params.max_unknowns as f64) as usize
 }
 
 const NONE: u32 = u32::MAX;
