@@ -260,9 +260,7 @@ impl Ground {
         };
         Ok((field, z))
     }
-}
 
-impl Ground {
     /// Smoothing and tension by the part of a large region that has most data: coarse triangles see neither.
     fn chosen_on_part(
         &self,
