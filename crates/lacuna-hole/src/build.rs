@@ -1,12 +1,13 @@
 //! Makes the plan: holes cell by cell, then what joins them.
 
+use crate::bridge::bridges;
 use crate::classify::classify;
 use crate::closed::{
     HolePolygon, HolePolygons, LoopKind, highest, hovers, is_debris, judge_loop, loop_polygon,
 };
 use crate::corner::corner_vertices;
 use crate::coverage::{Coverage, coverage};
-use crate::cut::{bridge_reach, mark_cuts};
+use crate::cut::mark_cuts;
 use crate::group::group;
 use crate::label::label_edges;
 use crate::open_edges::closed_edges;
@@ -63,9 +64,10 @@ fn cell_work(survey: &CellSurvey, options: &PlanOptions, closed: &[(CellId, u32)
     let fit = &options.fit;
     let domain = fit.domain(&options.grid, &options.area, survey.cell);
     let mut labels = label_edges(survey, &domain, fit, closed);
-    mark_cuts(survey, fit, &mut labels);
+    let facing = mark_cuts(survey, fit, &mut labels);
     let coverage = coverage(survey, &domain, fit, &labels);
-    let walked = walk(survey, &coverage, domain.perimeter_m(), fit.gap_m, bridge_reach(survey, fit));
+    let bridges = bridges(survey, &coverage, &facing, fit);
+    let walked = walk(survey, &coverage, domain.perimeter_m(), fit.gap_m, &bridges);
     CellWork { domain, coverage, walked }
 }
 

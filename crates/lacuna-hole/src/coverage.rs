@@ -23,8 +23,8 @@ pub(crate) struct BorderRun {
 pub(crate) enum End {
     /// On the border, at this perimeter parameter of this side.
     Border(Side, f64),
-    /// At a cut inside the tile.
-    Cut(PointId),
+    /// At a cut inside the tile: its boundary edge next to the rim.
+    Cut(u32),
 }
 
 /// A maximal run of rim edges of a loop that also has border or cut edges; the hole lies to its left.
@@ -99,11 +99,14 @@ fn add_run(
             result.runs.push(BorderRun { side, edges, low_m, high_m, loop_edges: n });
         }
         Label::Rim => {
-            let end_at = |neighbour: usize, point: PointId| match labels[all[neighbour % n] as usize] {
-                Label::Border(side) => {
-                    End::Border(side, domain.parameter(side, survey.position(point).truncate()))
+            let end_at = |neighbour: usize, point: PointId| {
+                let beyond = all[neighbour % n];
+                match labels[beyond as usize] {
+                    Label::Border(side) => {
+                        End::Border(side, domain.parameter(side, survey.position(point).truncate()))
+                    }
+                    _ => End::Cut(beyond),
                 }
-                _ => End::Cut(point),
             };
             let begin = survey.boundary.edges[edges[0] as usize].from;
             let finish = survey.boundary.edges[edges[length - 1] as usize].to;

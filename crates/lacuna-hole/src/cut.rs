@@ -31,19 +31,21 @@ struct PlanarEdge {
 
 /// An edge that runs beside another one as the two sides of a cut do.
 #[derive(Clone, Copy, Debug)]
-struct FacingEdge {
-    edge: u32,
-    other: u32,
+pub(crate) struct FacingEdge {
+    /// The boundary edge on one side.
+    pub(crate) edge: u32,
+    /// The one on the other side.
+    pub(crate) other: u32,
     /// True if both sides could be one sheet: their triangles face the same way.
     is_one_sheet: bool,
 }
 
-/// Relabels rim edges that lie on a cut inside the tile.
+/// Relabels rim edges that lie on a cut inside the tile, and returns which face each other over it.
 ///
 /// Steps: (1) group rim edges by axis and plane; edges of groups of three or more face each other where they run side by
 /// side within `cut_gap`, the triangles behind on the two sides; (2) keep the edges whose run along their loop looks like
 /// a cut, see `is_cut_run`; (3) drop those whose opposite edges are gone, until nothing changes.
-pub(crate) fn mark_cuts(survey: &CellSurvey, fit: &BorderFit, labels: &mut [Label]) {
+pub(crate) fn mark_cuts(survey: &CellSurvey, fit: &BorderFit, labels: &mut [Label]) -> Vec<FacingEdge> {
     let mut facing: Vec<FacingEdge> = (0..3)
         .flat_map(|axis| {
             facing_edges(survey, &planar_edges(survey, labels, axis), axis, cut_gap(survey, fit))
@@ -57,9 +59,10 @@ pub(crate) fn mark_cuts(survey: &CellSurvey, fit: &BorderFit, labels: &mut [Labe
             break;
         }
     }
-    for f in facing {
+    for f in &facing {
         labels[f.edge as usize] = Label::Cut;
     }
+    facing
 }
 
 /// Least share of a run's length whose two sides are one sheet.
@@ -117,11 +120,6 @@ fn facing_runs(edges: &[u32], is_facing: &[bool]) -> Vec<Vec<u32>> {
 /// How far the two sides of a cut lie apart at most: sub-blocks overrun their plane as tiles overrun their cell.
 fn cut_gap(survey: &CellSurvey, fit: &BorderFit) -> f64 {
     (3.0 * fit.margin_m).max(0.4 * survey.median_edge_m)
-}
-
-/// How far two rim ends may lie apart to be joined over a cut.
-pub(crate) fn bridge_reach(survey: &CellSurvey, fit: &BorderFit) -> f64 {
-    (6.0 * fit.margin_m).max(survey.median_edge_m)
 }
 
 /// Rim edges that lie in a plane across `axis` with others, by plane.

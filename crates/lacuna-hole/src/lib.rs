@@ -5,6 +5,7 @@
 //! loops and islands -> classes -> borders seen from both cells -> clusters -> layers.
 
 mod box_tree;
+mod bridge;
 mod build;
 mod classify;
 mod closed;

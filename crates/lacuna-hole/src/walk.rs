@@ -36,13 +36,13 @@ struct Link {
     next: usize,
 }
 
-/// Walks all open holes of a cell. `bridge_m` is how far two rim ends at a cut inside the tile may lie apart.
+/// Walks all open holes of a cell. `bridges` are the pairs of chains, best first, that go on over a cut inside the tile.
 pub(crate) fn walk(
     survey: &CellSurvey,
     coverage: &Coverage,
     perimeter_m: f64,
     gap_m: f64,
-    bridge_m: f64,
+    bridges: &[(usize, usize)],
 ) -> Walked {
     let mut walked = Walked::default();
     if coverage.covered.is_empty() && coverage.chains.is_empty() {
@@ -64,10 +64,13 @@ pub(crate) fn walk(
         }
     }
     // A rim that touches covered border in a vertex is in two chains there, with nothing uncovered between them.
-    let on_border = |end: &End| matches!(end, End::Border(..));
-    link_near(survey, coverage, gap_m, on_border, &mut links, &mut taken);
-    let at_cut = |end: &End| matches!(end, End::Cut(_));
-    link_near(survey, coverage, bridge_m, at_cut, &mut links, &mut taken);
+    let touching = pairs_on_border(survey, coverage, gap_m);
+    for &(a, b) in touching.iter().chain(bridges) {
+        if links[a].is_none() && !taken[b] {
+            links[a] = Some(Link { border: None, next: b });
+            taken[b] = true;
+        }
+    }
     link_narrow_mouths(coverage, perimeter_m, gap_m, &mut links, &mut taken);
     follow(&links, &mut walked);
     walked
@@ -118,22 +121,16 @@ impl<'a> BorderEnds<'a> {
     }
 }
 
-/// Joins free chain ends of a kind to free chain starts of that kind within `reach_m` in space, nearest pairs first.
-fn link_near(
-    survey: &CellSurvey,
-    coverage: &Coverage,
-    reach_m: f64,
-    is_kind: impl Fn(&End) -> bool,
-    links: &mut [Option<Link>],
-    taken: &mut [bool],
-) {
+/// Chain ends on the border and chain starts there within `reach_m` in space, nearest pairs first.
+fn pairs_on_border(survey: &CellSurvey, coverage: &Coverage, reach_m: f64) -> Vec<(usize, usize)> {
+    let on_border = |end: &End| matches!(end, End::Border(..));
     let chains = || coverage.chains.iter().enumerate();
     let ends: Vec<(usize, DVec3)> = chains()
-        .filter(|(k, c)| links[*k].is_none() && is_kind(&c.end))
+        .filter(|(_, c)| on_border(&c.end))
         .filter_map(|(k, c)| Some((k, survey.to(*c.edges.last()?))))
         .collect();
     let starts: Vec<(usize, DVec3)> = chains()
-        .filter(|(k, c)| !taken[*k] && is_kind(&c.start))
+        .filter(|(_, c)| on_border(&c.start))
         .filter_map(|(k, c)| Some((k, survey.from(*c.edges.first()?))))
         .collect();
     let tree = BoxTree::new(starts.iter().map(|&(_, p)| Bounds { min: p, max: p }));
@@ -144,12 +141,7 @@ fn link_near(
         pairs.extend(near.filter(|pair| pair.0 <= reach_m));
     }
     pairs.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
-    for (_, a, b) in pairs {
-        if links[a].is_none() && !taken[b] {
-            links[a] = Some(Link { border: None, next: b });
-            taken[b] = true;
-        }
-    }
+    pairs.into_iter().map(|(_, a, b)| (a, b)).collect()
 }
 
 /// A hole whose opening on the border is narrower than what counts as covered is closed over it.

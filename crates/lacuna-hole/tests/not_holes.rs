@@ -72,24 +72,33 @@ fn a_crack_of_a_decimetre_is_a_hole() {
     assert_eq!(plan.holes[0].class.to_string(), "closed");
 }
 
-/// One cell of two sub-blocks that overlap by 0.1 m, each with a lattice of its own, in a ring of full cells. Quads that
-/// `is_cut` names by their middle are left out.
-fn with_inner_cut(is_cut: impl Fn(f64, f64) -> bool) -> Scene {
+/// A sub-block of a tile: x and y from and to, columns and rows.
+type Block = ([f64; 4], [usize; 2]);
+
+/// One cell of sub-blocks that overlap, each with a lattice of its own, in a ring of full cells. Quads that `is_cut` names
+/// by their block and their middle are left out.
+fn with_blocks(blocks: &[Block], is_cut: impl Fn(usize, f64, f64) -> bool) -> Scene {
     let mut scene = lattice(3, 3, 0.0, &[]);
     let steps = |low: f64, high: f64, n: usize| -> Vec<f64> {
         (0..=n).map(|k| if k == n { high } else { low + (high - low) * k as f64 / n as f64 }).collect()
     };
     let mut mesh = TriMesh::default();
-    for (low, high, columns, rows) in [(8.0, 12.05, 5, 8), (11.95, 16.0, 4, 11)] {
-        let xs = steps(low, high, columns);
-        let ys = steps(8.0, 16.0, rows);
+    for (b, &([x_low, x_high, y_low, y_high], [columns, rows])) in blocks.iter().enumerate() {
+        let xs = steps(x_low, x_high, columns);
+        let ys = steps(y_low, y_high, rows);
         let middle = |v: &[f64], k: usize| (v[k] + v[k + 1]) / 2.0;
-        let keep = |c: usize, r: usize| !is_cut(middle(&xs, c), middle(&ys, r));
+        let keep = |c: usize, r: usize| !is_cut(b, middle(&xs, c), middle(&ys, r));
         let flat: Vec<(f64, f64)> = ys.iter().map(|&y| (y, 5.0)).collect();
         append(&mut mesh, block(&xs, &flat, keep));
     }
     *scene.tile(1, 1) = mesh;
     scene
+}
+
+/// Two sub-blocks that overlap by 0.1 m.
+fn with_inner_cut(is_cut: impl Fn(f64, f64) -> bool) -> Scene {
+    let blocks = [([8.0, 12.05, 8.0, 16.0], [5, 8]), ([11.95, 16.0, 8.0, 16.0], [4, 11])];
+    with_blocks(&blocks, |_, x, y| is_cut(x, y))
 }
 
 #[test]
@@ -121,6 +130,24 @@ fn a_hole_across_a_cut_that_reaches_the_border() {
     let found = lines(&planned.plan);
     assert_eq!(planned.plan.holes.len(), 1, "{found:?}");
     assert_eq!(planned.plan.holes[0].class.to_string(), "I-B", "{found:?}");
+}
+
+#[test]
+fn a_hole_where_staggered_cuts_meet() {
+    // The cut along x is lower on the left than on the right; the upper left block is whole, and its corner stands beside
+    // the hole. Long edges beside short ones: the rims end far from each other.
+    let blocks = [
+        ([8.0, 12.05, 8.0, 11.55], [5, 4]),
+        ([8.0, 12.05, 11.45, 16.0], [6, 2]),
+        ([11.95, 16.0, 8.0, 12.55], [8, 9]),
+        ([11.95, 16.0, 12.45, 16.0], [5, 7]),
+    ];
+    let in_hole = |x: f64, y: f64| (10.3..13.3).contains(&x) && (9.4..13.7).contains(&y);
+    let planned = with_blocks(&blocks, |b, x, y| b != 1 && in_hole(x, y)).plan();
+    let found = lines(&planned.plan);
+    assert_eq!(planned.plan.holes.len(), 1, "{found:?}");
+    assert_eq!(planned.plan.holes[0].class.to_string(), "closed");
+    assert!((8.0..11.0).contains(&planned.plan.holes[0].area_m2), "{found:?}");
 }
 
 #[test]
