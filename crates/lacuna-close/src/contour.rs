@@ -1,16 +1,17 @@
 //! The contour of one hole: rim, adopted vertices and closing points in order, and the surface behind them.
 
 use crate::Curves;
-use crate::strip::{square_lines, square_triangles, step_triangles};
+use crate::square::{Square, SquarePoint, square_vertex, strip_end};
+use crate::strip::step_triangles;
 use crate::untangle::untangle;
 use glam::{DVec2, DVec3};
 use lacuna_grid::{CellId, CornerId, Side};
-use lacuna_hole::{Anchor, BorderMode, CellSurvey, Hole, Piece, Plan, Span, Surveys};
+use lacuna_hole::{Anchor, BorderMode, CellSurvey, CurveKind, Hole, Piece, Plan, Span, Surveys};
 use lacuna_mesh::{
     Contour, ContourEdge, ContourRing, ContourVertex, EdgeKind, Patch, PointId, Support, VertexId,
     position_bits,
 };
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use thiserror::Error;
 
 /// Where a contour vertex comes from.
@@ -24,6 +25,8 @@ pub enum Source {
     Closing(ClosingPoint),
     /// A corner of the grid inside the hole: the patch brings it.
     Corner(CornerId),
+    /// A corner of the square in which tiles that overrun their cell overlap at a corner of the grid: the patch brings it.
+    Square(SquarePoint),
 }
 
 impl Source {
@@ -88,7 +91,8 @@ pub fn contour(
     curves: &Curves,
     round: &dyn Fn(DVec3) -> DVec3,
 ) -> Result<CellContour, CloseError> {
-    let mut builder = Builder { surveys, plan, hole, curves, round, strip: Vec::new() };
+    let mut builder =
+        Builder { surveys, plan, hole, curves, round, strip: Vec::new(), squares: BTreeSet::new() };
     let mut rings = vec![builder.outer()?];
     let own = surveys.get(&hole.cell);
     for &island in &hole.islands {
@@ -114,6 +118,8 @@ struct Builder<'a> {
     round: &'a dyn Fn(DVec3) -> DVec3,
     /// Triangles of the overlap strips, by position.
     strip: Vec<[Placed; 3]>,
+    /// Corners whose squares are in it.
+    squares: BTreeSet<CornerId>,
 }
 
 /// A position and where it comes from.
@@ -160,22 +166,33 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// The points of a curve in the hole's direction: on the hole's own line, and along a strip that both cells take alike on
-    /// the neighbour's.
+    /// The points of a curve in the hole's direction.
     fn add_curve(&mut self, ring: &mut RingBuilder, side: Side, c: u32) -> Result<(), CloseError> {
         let walk = self.curve_walk(side, c);
+        if self.plan.curves[c as usize].kind == CurveKind::Shared {
+            self.add_shared_curve(ring, side, &walk)
+        } else {
+            self.add_lone_curve(ring, side, &walk)
+        }
+    }
+
+    /// On the hole's own line, and along a strip that both cells take alike on the neighbour's.
+    fn add_shared_curve(
+        &mut self,
+        ring: &mut RingBuilder,
+        side: Side,
+        walk: &CurveWalk,
+    ) -> Result<(), CloseError> {
         let [first, last] = walk.anchors;
-        let [from_square, to_square] = walk.anchors.map(|a| is_strip_end(a, self.curves));
+        let [from_square, to_square] = walk.anchors.map(|a| self.shared_square(a));
         let count = walk.columns.len();
         let is_free = |k: usize| walk.free.get(k).copied().unwrap_or(false);
-        let from_square = from_square && is_free(0);
-        let to_square = to_square && count > 1 && is_free(count - 2);
-        if !from_square {
+        if from_square.is_none() {
             self.add_anchor(ring, first)?;
         }
         for (k, &[own, other]) in walk.columns.iter().enumerate() {
-            let before = if k == 0 { from_square } else { is_free(k - 1) };
-            let after = if k + 1 == count { to_square } else { is_free(k) };
+            let before = if k == 0 { from_square.is_some() } else { is_free(k - 1) };
+            let after = if k + 1 == count { to_square.is_some() } else { is_free(k) };
             match (before, after) {
                 (false, false) => ring.add_border(own),
                 (true, true) => ring.add_border(other),
@@ -186,11 +203,48 @@ impl Builder<'_> {
                 self.strip.extend(walk.step(side, k));
             }
         }
-        if to_square {
-            self.add_square(last);
-            return Ok(());
+        [from_square, to_square].into_iter().flatten().for_each(|corner| self.add_square(corner));
+        if to_square.is_none() { self.add_anchor(ring, last) } else { Ok(()) }
+    }
+
+    /// On the hole's own line, up to the squares at its ends.
+    fn add_lone_curve(&self, ring: &mut RingBuilder, side: Side, walk: &CurveWalk) -> Result<(), CloseError> {
+        let ends = walk.anchors.map(|a| self.lone_end(side, a));
+        let along =
+            |p: DVec3| if side.runs_upward() { side.along(p.truncate()) } else { -side.along(p.truncate()) };
+        let from = ends[0].map_or(f64::NEG_INFINITY, |e| along(e.0));
+        let to = ends[1].map_or(f64::INFINITY, |e| along(e.0));
+        match ends[0] {
+            Some(end) => ring.add_border(end),
+            None => self.add_anchor(ring, walk.anchors[0])?,
         }
-        self.add_anchor(ring, last)
+        let is_between = |p: &&[Placed; 2]| along(p[0].0) > from && along(p[0].0) < to;
+        walk.columns.iter().filter(is_between).for_each(|column| ring.add_border(column[0]));
+        match ends[1] {
+            Some(end) => ring.add_border(end),
+            None => self.add_anchor(ring, walk.anchors[1])?,
+        }
+        Ok(())
+    }
+
+    /// The corner of an anchor whose square is shared.
+    fn shared_square(&self, anchor: Anchor) -> Option<CornerId> {
+        match anchor {
+            Anchor::Corner(corner) => self.curves.squares.contains_key(&corner).then_some(corner),
+            _ => None,
+        }
+    }
+
+    /// Where the hole's own line meets the shared square at an anchor.
+    fn lone_end(&self, side: Side, anchor: Anchor) -> Option<Placed> {
+        let corner = self.shared_square(anchor)?;
+        let point = Square::of(self.plan, corner)?.lone_end(self.hole.cell, side)?;
+        self.square_point(point)
+    }
+
+    fn square_point(&self, point: SquarePoint) -> Option<Placed> {
+        let vertex = square_vertex(self.plan, self.curves, point)?;
+        Some(((self.round)(vertex), Source::Square(point)))
     }
 
     /// A curve as the hole walks it.
@@ -205,11 +259,15 @@ impl Builder<'_> {
             let z = p.z + points.slope[k] * (line - curve.line);
             (self.round)(side.point(side.along(p.truncate()), line).extend(z))
         };
-        let column = |k: usize| {
-            [(own_line, other_line), (other_line, own_line)].map(|(line, beyond)| {
-                (place(k, line), closing_source(self.plan, self.curves, c, k, line > beyond))
-            })
+        let placed = |k: usize, line: f64, beyond: f64| {
+            let source = closing_source(self.plan, self.curves, c, k, line > beyond);
+            let in_square = match source {
+                Source::Square(point) => self.square_point(point),
+                _ => None,
+            };
+            in_square.unwrap_or_else(|| (place(k, line), source))
         };
+        let column = |k: usize| [placed(k, own_line, other_line), placed(k, other_line, own_line)];
         let mut columns: Vec<[Placed; 2]> = (0..points.inner.len()).map(column).collect();
         let mut free = points.free_steps.clone();
         let mut anchors = [curve.low, curve.high];
@@ -221,14 +279,15 @@ impl Builder<'_> {
         CurveWalk { columns, free, anchors }
     }
 
-    /// The square at a corner that four cells share.
-    fn add_square(&mut self, anchor: Anchor) {
-        let Anchor::Corner(corner) = anchor else { return };
-        if let (Some(lines), Some(height)) =
-            (square_lines(self.plan, corner), self.curves.corners.get(&corner))
-        {
-            let triangles = square_triangles(lines, height.z);
-            self.strip.extend(triangles.map(|t| t.map(|p| ((self.round)(p), Source::Corner(corner)))));
+    /// The square at a corner, once.
+    fn add_square(&mut self, corner: CornerId) {
+        let Some(square) = Square::of(self.plan, corner).filter(|_| self.squares.insert(corner)) else {
+            return;
+        };
+        for triangle in square.triangles(self.hole.cell) {
+            if let [Some(a), Some(b), Some(c)] = triangle.map(|p| self.square_point(p)) {
+                self.strip.push([a, b, c]);
+            }
         }
     }
 
@@ -248,8 +307,8 @@ impl Builder<'_> {
 
     fn add_corner(&self, ring: &mut RingBuilder, side: Side) -> Result<(), CloseError> {
         let corner = self.hole.cell.corner_after(side);
-        if self.curves.free_corners.contains(&corner) {
-            // The square that four cells share turns the corner.
+        if self.curves.squares.contains_key(&corner) {
+            // The square that the cells share turns the corner.
             return Ok(());
         }
         // Between two adopted stretches the neighbours' own vertices turn the corner.
@@ -364,25 +423,21 @@ struct CurveWalk {
     anchors: [Anchor; 2],
 }
 
-/// True if the strip goes on in a corner's square.
-fn is_strip_end(anchor: Anchor, curves: &Curves) -> bool {
-    matches!(anchor, Anchor::Corner(corner) if curves.free_corners.contains(&corner))
-}
-
-/// What point `k` of a curve is on one of its lines: the corner where a square of four cells begins, else a closing point.
+/// What point `k` of a curve is on one of its lines: a corner of the square where the strip ends, else a closing point.
 pub(crate) fn closing_source(plan: &Plan, curves: &Curves, c: u32, k: usize, is_upper: bool) -> Source {
     let (curve, points) = (&plan.curves[c as usize], &curves.curves[c as usize]);
-    let is_free = |step: Option<usize>| step.and_then(|s| points.free_steps.get(s)) == Some(&true);
     let last = points.inner.len().saturating_sub(1);
-    for (at, anchor, step) in [(0, curve.low, Some(0)), (last, curve.high, last.checked_sub(1))] {
-        if let Anchor::Corner(corner) = anchor
-            && k == at
-            && is_strip_end(anchor, curves)
-            && is_free(step)
-        {
-            return Source::Corner(corner);
+    let square = |anchor| match anchor {
+        Anchor::Corner(corner) => curves.squares.contains_key(&corner).then_some(corner),
+        _ => None,
+    };
+    let ends = [(curve.low, 0, true), (curve.high, last, false)];
+    for (corner, at, is_low) in ends.into_iter().filter_map(|(a, at, low)| Some((square(a)?, at, low))) {
+        if curve.kind == CurveKind::Shared && k == at {
+            return Source::Square(strip_end(corner, curve.border.side, is_low, is_upper));
         }
     }
+    let is_free = |step: Option<usize>| step.and_then(|s| points.free_steps.get(s)) == Some(&true);
     let in_strip = is_free(Some(k)) || is_free(k.checked_sub(1));
     Source::Closing(ClosingPoint { curve: c, point: k as u32, is_upper: is_upper && in_strip })
 }

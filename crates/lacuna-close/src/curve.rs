@@ -3,7 +3,7 @@
 use glam::DVec3;
 use lacuna_grid::CornerId;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// The closing polyline of one stretch of a border.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -27,6 +27,7 @@ pub struct Curves {
     pub curves: Vec<BorderCurve>,
     /// Position of every grid corner inside a hole where no cell has a vertex.
     pub corners: BTreeMap<CornerId, DVec3>,
-    /// Where tiles overrun their cell: corners whose overlap square all four cells fill alike.
-    pub free_corners: BTreeSet<CornerId>,
+    /// Where tiles overrun their cell: the overlap squares that all open cells round a corner share, with the heights of
+    /// their corners (south-west, south-east, north-west, north-east), metres.
+    pub squares: BTreeMap<CornerId, [f64; 4]>,
 }

@@ -151,14 +151,17 @@ pub fn raise_curves(plan: &Plan, field: &ClusterField, curves: &mut Curves) {
         .keys()
         .filter_map(|joint| match joint {
             Joint::Closing(point) => Some(point.curve),
-            Joint::Corner(_) => None,
+            Joint::Corner(_) | Joint::Square(_) => None,
         })
         .collect();
     for (joint, &z) in &field.joints {
-        if let Joint::Corner(corner) = joint
-            && let Some(place) = curves.corners.get_mut(corner)
-        {
-            place.z = z;
+        let height = match joint {
+            Joint::Corner(corner) => curves.corners.get_mut(corner).map(|p| &mut p.z),
+            Joint::Square(p) => curves.squares.get_mut(&p.corner).map(|h| &mut h[usize::from(p.at)]),
+            Joint::Closing(_) => None,
+        };
+        if let Some(height) = height {
+            *height = z;
         }
     }
     for c in closing {
@@ -177,7 +180,7 @@ fn raise_curve(plan: &Plan, field: &ClusterField, c: u32, curves: &mut Curves) {
     let high = lines.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let joint = |source| match source {
         Source::Closing(point) => field.joints.get(&Joint::Closing(point)),
-        Source::Corner(corner) => field.joints.get(&Joint::Corner(corner)),
+        Source::Square(point) => field.joints.get(&Joint::Square(point)),
         _ => None,
     };
     for k in 0..curves.curves[c as usize].inner.len() {

@@ -3,7 +3,8 @@
 
 use crate::curve::{BorderCurve, Curves};
 use crate::profile::{Candidate, Profile};
-use crate::strip::{mark_strips, square_lines};
+use crate::square::square_ends;
+use crate::strip::mark_strips;
 use glam::{DVec2, DVec3};
 use lacuna_grid::{CellId, CornerId, Side};
 use lacuna_hole::{Anchor, BorderMode, CellSurvey, Curve, CurveKind, Hole, Piece, Plan, Span, Surveys};
@@ -133,7 +134,10 @@ impl Projection<'_> {
     }
 
     fn add_curve_targets(&self, c: u32, targets: &mut Vec<Target>) {
-        if self.profiles[c as usize].is_some() {
+        let curve = &self.plan.curves[c as usize];
+        if let CurveKind::OverNeighbour(neighbour) = curve.kind {
+            self.add_rim_targets(neighbour, &curve.over, targets);
+        } else if self.profiles[c as usize].is_some() {
             let points = &self.curves.curves[c as usize].inner;
             targets.extend(points.iter().map(|p| Target { place: p.truncate(), height_m: p.z }));
         }
@@ -249,7 +253,10 @@ impl Projection<'_> {
         } else {
             known.iter().sum::<f64>() / known.len() as f64
         };
-        of_rim.min(largest_m)
+        // Overlapping patches must agree from two rim edges on: long edges at its end must not reach so far.
+        let is_overlap = self.plan.fit.mode == BorderMode::Overrun;
+        let overlap_m = if is_overlap { 1.5 * self.plan.fit.edge_m } else { f64::INFINITY };
+        of_rim.min(largest_m).min(overlap_m)
     }
 
     /// Spaces points along a stretch and gives them the profile's heights.
@@ -287,27 +294,10 @@ impl Projection<'_> {
     fn fixed_points(&self, curve: &Curve) -> [Option<f64>; 2] {
         let is_ragged = self.plan.fit.mode == BorderMode::Ragged && self.plan.tiles_meet;
         if !is_ragged || curve.kind != CurveKind::Shared {
-            return self.corner_squares(curve);
+            return square_ends(self.plan, curve);
         }
         let is_tied = |anchor| matches!(anchor, Anchor::Point(..));
         [(curve.low, curve.low_m), (curve.high, curve.high_m)].map(|(a, m)| is_tied(a).then_some(m))
-    }
-
-    /// Where the overlap square of a bare corner ends, at the low and the high end of a shared stretch of tiles that overrun
-    /// their cell.
-    fn corner_squares(&self, curve: &Curve) -> [Option<f64>; 2] {
-        let long = curve.high_m - curve.low_m > 12.0 * self.plan.fit.margin_m;
-        if self.plan.fit.mode != BorderMode::Overrun || curve.kind != CurveKind::Shared || !long {
-            return [None, None];
-        }
-        let lines = |anchor| match anchor {
-            Anchor::Corner(corner) => {
-                let [x, y] = square_lines(self.plan, corner)?;
-                Some(if curve.border.side.is_horizontal() { x } else { y })
-            }
-            _ => None,
-        };
-        [lines(curve.low).map(|l| l[1]), lines(curve.high).map(|l| l[0])]
     }
 }
 

@@ -3,6 +3,7 @@
 
 use crate::contour::{CellContour, ClosingPoint, Source};
 use crate::height_field::{Datum, Region};
+use crate::square::SquarePoint;
 use crate::water::RimPoint;
 use glam::{DVec2, DVec3};
 use lacuna_fill::Triangulation;
@@ -38,6 +39,7 @@ pub struct ClusterRegion {
 pub(crate) enum Joint {
     Closing(ClosingPoint),
     Corner(CornerId),
+    Square(SquarePoint),
 }
 
 /// Rings of data round the hole, the rim being the first.
@@ -118,7 +120,12 @@ impl<'a> Builder<'a> {
         self.triangles.extend(part.triangulation.in_plan().iter().map(|t| t.map(|v| ids[v as usize])));
         ids.truncate(count);
         ids.extend(in_strip);
-        for triangle in &contour.strip.triangles {
+        // Of two versions of a square the one without points on its edges.
+        let is_middle = |v: u32| {
+            let in_strip = (v as usize).checked_sub(count).and_then(|k| contour.strip_sources.get(k));
+            matches!(in_strip, Some(Source::Square(p)) if p.is_middle())
+        };
+        for triangle in contour.strip.triangles.iter().filter(|t| !t.iter().any(|&v| is_middle(v))) {
             let corners = triangle.map(|v| ids[v as usize]);
             let mut key = corners;
             key.sort_unstable();
@@ -150,6 +157,7 @@ impl<'a> Builder<'a> {
                 self.rim_vertex(p)
             }
             Source::Corner(corner) => self.joint(Joint::Corner(corner), p, None),
+            Source::Square(point) => self.joint(Joint::Square(point), p, None),
             Source::Closing(point) => {
                 // Over a neighbour's surface heights are known.
                 let curve = &self.plan.curves[point.curve as usize];

@@ -2,18 +2,17 @@
 //! the surfaces agree there (decisions 8).
 
 use crate::Curves;
-use glam::{DVec2, DVec3};
-use lacuna_grid::{CornerId, Side};
-use lacuna_hole::{Anchor, BorderMode, Curve, CurveKind, Plan, Surveys};
-use std::collections::BTreeMap;
+use crate::square::mark_squares;
+use glam::DVec2;
+use lacuna_grid::Side;
+use lacuna_hole::{BorderMode, Curve, CurveKind, Plan, Surveys};
 
 /// Marks, in every shared curve, the steps between neighbouring points whose whole rectangle between the two cells' lines
-/// is free of rims, and the grid corners whose square is free in all four cells.
+/// is free of rims, and then the squares at grid corners.
 pub(crate) fn mark_strips(surveys: &Surveys, plan: &Plan, curves: &mut Curves) {
     if plan.fit.mode != BorderMode::Overrun {
         return;
     }
-    let mut free_ends: BTreeMap<CornerId, u32> = BTreeMap::new();
     for (k, curve) in plan.curves.iter().enumerate() {
         if curve.kind != CurveKind::Shared {
             continue;
@@ -23,15 +22,9 @@ pub(crate) fn mark_strips(surveys: &Surveys, plan: &Plan, curves: &mut Curves) {
         let along: Vec<f64> = curves.curves[k].inner.iter().map(|p| side.along(p.truncate())).collect();
         let slack = 0.5 * plan.fit.margin_m;
         let is_free = |a: f64, b: f64| !blocked.iter().any(|i| i.0 <= b + slack && i.1 >= a - slack);
-        let free: Vec<bool> = along.windows(2).map(|w| is_free(w[0], w[1])).collect();
-        for (anchor, step) in [(curve.low, free.first()), (curve.high, free.last())] {
-            if let (Anchor::Corner(corner), Some(true)) = (anchor, step) {
-                *free_ends.entry(corner).or_default() += 1;
-            }
-        }
-        curves.curves[k].free_steps = free;
+        curves.curves[k].free_steps = along.windows(2).map(|w| is_free(w[0], w[1])).collect();
     }
-    curves.free_corners = free_ends.into_iter().filter(|e| e.1 == 4).map(|e| e.0).collect();
+    mark_squares(surveys, plan, curves);
 }
 
 /// Stretches along a curve where a rim of one of its holes reaches into the strip.
@@ -55,23 +48,6 @@ fn blocked_intervals(surveys: &Surveys, plan: &Plan, curve: &Curve) -> Vec<(f64,
         }
     }
     blocked
-}
-
-/// The lines of the four cells round a grid corner: (lower, upper) x and (lower, upper) y. `None` unless all four cells
-/// belong to the area.
-pub(crate) fn square_lines(plan: &Plan, corner: CornerId) -> Option<[[f64; 2]; 2]> {
-    let [south_west, south_east, north_west, north_east] = corner.cells().map(|c| plan.domains.get(&c));
-    let (south_west, south_east, north_west) = (south_west?, south_east?, north_west?);
-    north_east?;
-    let x = [south_east.side(Side::West).line, south_west.side(Side::East).line];
-    let y = [north_west.side(Side::South).line, south_west.side(Side::North).line];
-    Some([x, y])
-}
-
-/// The square of four cells round a grid corner as two triangles at one height.
-pub(crate) fn square_triangles([x, y]: [[f64; 2]; 2], height_m: f64) -> [[DVec3; 3]; 2] {
-    let at = |i: usize, j: usize| DVec3::new(x[i], y[j], height_m);
-    [[at(0, 0), at(1, 0), at(1, 1)], [at(0, 0), at(1, 1), at(0, 1)]]
 }
 
 /// The two triangles of a step of a strip, counter-clockwise from above, in terms of its corners: lower and upper line

@@ -97,7 +97,7 @@ impl Watertight<'_> {
                 self.curves.curves.get(p.curve as usize).and_then(|c| c.inner.get(p.point as usize))
             }
             Source::Corner(corner) => self.curves.corners.get(&corner),
-            Source::Original(_) | Source::Adopted(..) => None,
+            Source::Original(_) | Source::Adopted(..) | Source::Square(_) => None,
         };
         position_bits(*shared.unwrap_or(&fill.rim[vertex]))
     }
