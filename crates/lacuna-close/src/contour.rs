@@ -2,7 +2,7 @@
 
 use crate::Curves;
 use crate::square::{Square, SquarePoint, square_vertex, strip_end};
-use crate::strip::step_triangles;
+use crate::strip::{Node, lines};
 use crate::untangle::untangle;
 use glam::{DVec2, DVec3};
 use lacuna_grid::{CellId, CornerId, Side};
@@ -44,9 +44,9 @@ pub struct ClosingPoint {
     pub curve: u32,
     /// Index of the point in the curve.
     pub point: u32,
-    /// True on the line with the larger coordinate, where tiles overrun their cell and share the strip at this point.
-    /// Where they share none both lines have one height and count as the lower one.
-    pub is_upper: bool,
+    /// Which line between the lanes of the strip, from the lower one on, where tiles overrun their cell and share the strip
+    /// at this point. Where they share none both cells' lines have one height and count as the lower one.
+    pub lane: u32,
 }
 
 /// A contour and the source of each of its vertices, in the contour's numbering.
@@ -168,63 +168,88 @@ impl Builder<'_> {
 
     /// The points of a curve in the hole's direction.
     fn add_curve(&mut self, ring: &mut RingBuilder, side: Side, c: u32) -> Result<(), CloseError> {
-        let walk = self.curve_walk(side, c);
         if self.plan.curves[c as usize].kind == CurveKind::Shared {
-            self.add_shared_curve(ring, side, &walk)
+            self.add_shared_curve(ring, side, c)
         } else {
-            self.add_lone_curve(ring, side, &walk)
+            self.add_lone_curve(ring, side, c)
         }
     }
 
-    /// On the hole's own line, and along a strip that both cells take alike on the neighbour's.
-    fn add_shared_curve(
-        &mut self,
-        ring: &mut RingBuilder,
-        side: Side,
-        walk: &CurveWalk,
-    ) -> Result<(), CloseError> {
-        let [first, last] = walk.anchors;
-        let [from_square, to_square] = walk.anchors.map(|a| self.shared_square(a));
-        let count = walk.columns.len();
-        let is_free = |k: usize| walk.free.get(k).copied().unwrap_or(false);
+    /// On the hole's own line, and beside a strip that both cells take alike on the strip's outline.
+    fn add_shared_curve(&mut self, ring: &mut RingBuilder, side: Side, c: u32) -> Result<(), CloseError> {
+        let (curve, points) = (&self.plan.curves[c as usize], &self.curves.curves[c as usize]);
+        let strip = &points.strip;
+        let own_is_upper = self.own_line(side, curve.line) > lines(self.plan, curve)[0];
+        let mut ends = [curve.low, curve.high].map(|a| (a, self.shared_square(a)));
+        let mut nodes = strip.outline(points.inner.len(), own_is_upper, ends.map(|e| e.1.is_some()));
+        if !side.runs_upward() {
+            nodes.reverse();
+            ends.reverse();
+        }
+        let [(first, from_square), (last, to_square)] = ends;
         if from_square.is_none() {
             self.add_anchor(ring, first)?;
         }
-        for (k, &[own, other]) in walk.columns.iter().enumerate() {
-            let before = if k == 0 { from_square.is_some() } else { is_free(k - 1) };
-            let after = if k + 1 == count { to_square.is_some() } else { is_free(k) };
-            match (before, after) {
-                (false, false) => ring.add_border(own),
-                (true, true) => ring.add_border(other),
-                (false, true) => [own, other].into_iter().for_each(|p| ring.add_border(p)),
-                (true, false) => [other, own].into_iter().for_each(|p| ring.add_border(p)),
-            }
-            if k + 1 < count && is_free(k) {
-                self.strip.extend(walk.step(side, k));
-            }
+        nodes.into_iter().for_each(|node| ring.add_border(self.node(side, c, node)));
+        for k in 0..strip.shared.len() {
+            let triangles = strip.triangles(k, side).into_iter();
+            let placed: Vec<_> = triangles.map(|t| t.map(|node| self.node(side, c, node))).collect();
+            self.strip.extend(placed);
         }
         [from_square, to_square].into_iter().flatten().for_each(|corner| self.add_square(corner));
         if to_square.is_none() { self.add_anchor(ring, last) } else { Ok(()) }
     }
 
     /// On the hole's own line, up to the squares at its ends.
-    fn add_lone_curve(&self, ring: &mut RingBuilder, side: Side, walk: &CurveWalk) -> Result<(), CloseError> {
-        let ends = walk.anchors.map(|a| self.lone_end(side, a));
-        let along =
-            |p: DVec3| if side.runs_upward() { side.along(p.truncate()) } else { -side.along(p.truncate()) };
-        let from = ends[0].map_or(f64::NEG_INFINITY, |e| along(e.0));
-        let to = ends[1].map_or(f64::INFINITY, |e| along(e.0));
-        match ends[0] {
-            Some(end) => ring.add_border(end),
-            None => self.add_anchor(ring, walk.anchors[0])?,
+    fn add_lone_curve(&self, ring: &mut RingBuilder, side: Side, c: u32) -> Result<(), CloseError> {
+        let curve = &self.plan.curves[c as usize];
+        let count = self.curves.curves[c as usize].inner.len();
+        let mut points: Vec<Placed> = (0..count).map(|k| self.node(side, c, (k, 0))).collect();
+        let mut anchors = [curve.low, curve.high];
+        if !side.runs_upward() {
+            points.reverse();
+            anchors.reverse();
         }
-        let is_between = |p: &&[Placed; 2]| along(p[0].0) > from && along(p[0].0) < to;
-        walk.columns.iter().filter(is_between).for_each(|column| ring.add_border(column[0]));
-        match ends[1] {
+        let direction = if side.runs_upward() { 1.0 } else { -1.0 };
+        let along = |p: DVec3| direction * side.along(p.truncate());
+        let [low, high] = anchors.map(|a| self.lone_end(side, a));
+        match low {
             Some(end) => ring.add_border(end),
-            None => self.add_anchor(ring, walk.anchors[1])?,
+            None => self.add_anchor(ring, anchors[0])?,
+        }
+        let from = low.map_or(f64::NEG_INFINITY, |e| along(e.0));
+        let to = high.map_or(f64::INFINITY, |e| along(e.0));
+        let is_between = |p: &Placed| along(p.0) > from && along(p.0) < to;
+        points.into_iter().filter(is_between).for_each(|p| ring.add_border(p));
+        match high {
+            Some(end) => ring.add_border(end),
+            None => self.add_anchor(ring, anchors[1])?,
         }
         Ok(())
+    }
+
+    /// The line on which the hole's own cell ends; where that is not known that of the curve.
+    fn own_line(&self, side: Side, of_curve: f64) -> f64 {
+        self.plan.domains.get(&self.hole.cell).map_or(of_curve, |d| d.side(side).line)
+    }
+
+    /// A point of a curve on one of the lines of its strip; without a strip on the hole's own line.
+    fn node(&self, side: Side, c: u32, (k, lane): Node) -> Placed {
+        let (curve, points) = (&self.plan.curves[c as usize], &self.curves.curves[c as usize]);
+        let source = closing_source(self.plan, self.curves, c, (k, lane));
+        if let Source::Square(point) = source
+            && let Some(placed) = self.square_point(point)
+        {
+            return placed;
+        }
+        let line = match points.strip.lanes {
+            0 => self.own_line(side, curve.line),
+            lanes => points.strip.line(lines(self.plan, curve), lane.min(lanes)),
+        };
+        let p = points.inner[k];
+        let known = points.between_m.get(&(k as u32, lane)).copied();
+        let z = known.unwrap_or_else(|| p.z + points.slope[k] * (line - curve.line));
+        ((self.round)(side.point(side.along(p.truncate()), line).extend(z)), source)
     }
 
     /// The corner of an anchor whose square is shared.
@@ -245,38 +270,6 @@ impl Builder<'_> {
     fn square_point(&self, point: SquarePoint) -> Option<Placed> {
         let vertex = square_vertex(self.plan, self.curves, point)?;
         Some(((self.round)(vertex), Source::Square(point)))
-    }
-
-    /// A curve as the hole walks it.
-    fn curve_walk(&self, side: Side, c: u32) -> CurveWalk {
-        let curve = &self.plan.curves[c as usize];
-        let points = &self.curves.curves[c as usize];
-        let own_line = self.plan.domains.get(&self.hole.cell).map_or(curve.line, |d| d.side(side).line);
-        let beyond = self.plan.domains.get(&self.hole.cell.neighbour(side));
-        let other_line = beyond.map_or(own_line, |d| d.side(side.opposite()).line);
-        let place = |k: usize, line: f64| {
-            let p = points.inner[k];
-            let z = p.z + points.slope[k] * (line - curve.line);
-            (self.round)(side.point(side.along(p.truncate()), line).extend(z))
-        };
-        let placed = |k: usize, line: f64, beyond: f64| {
-            let source = closing_source(self.plan, self.curves, c, k, line > beyond);
-            let in_square = match source {
-                Source::Square(point) => self.square_point(point),
-                _ => None,
-            };
-            in_square.unwrap_or_else(|| (place(k, line), source))
-        };
-        let column = |k: usize| [placed(k, own_line, other_line), placed(k, other_line, own_line)];
-        let mut columns: Vec<[Placed; 2]> = (0..points.inner.len()).map(column).collect();
-        let mut free = points.free_steps.clone();
-        let mut anchors = [curve.low, curve.high];
-        if !side.runs_upward() {
-            columns.reverse();
-            free.reverse();
-            anchors.reverse();
-        }
-        CurveWalk { columns, free, anchors }
     }
 
     /// The square at a corner, once.
@@ -413,18 +406,8 @@ impl Builder<'_> {
     }
 }
 
-/// A curve in the direction of a hole's walk.
-struct CurveWalk {
-    /// Each point on the hole's own line and on the neighbour's.
-    columns: Vec<[Placed; 2]>,
-    /// For each step between points, true if both cells take the strip between the lines.
-    free: Vec<bool>,
-    /// What stands at the ends.
-    anchors: [Anchor; 2],
-}
-
-/// What point `k` of a curve is on one of its lines: a corner of the square where the strip ends, else a closing point.
-pub(crate) fn closing_source(plan: &Plan, curves: &Curves, c: u32, k: usize, is_upper: bool) -> Source {
+/// What a point of a curve is on one of its lines: a corner of the square where the strip ends, else a closing point.
+pub(crate) fn closing_source(plan: &Plan, curves: &Curves, c: u32, (k, lane): Node) -> Source {
     let (curve, points) = (&plan.curves[c as usize], &curves.curves[c as usize]);
     let last = points.inner.len().saturating_sub(1);
     let square = |anchor| match anchor {
@@ -434,25 +417,11 @@ pub(crate) fn closing_source(plan: &Plan, curves: &Curves, c: u32, k: usize, is_
     let ends = [(curve.low, 0, true), (curve.high, last, false)];
     for (corner, at, is_low) in ends.into_iter().filter_map(|(a, at, low)| Some((square(a)?, at, low))) {
         if curve.kind == CurveKind::Shared && k == at {
-            return Source::Square(strip_end(corner, curve.border.side, is_low, is_upper));
+            return Source::Square(strip_end(corner, curve.border.side, is_low, lane > 0));
         }
     }
-    let is_free = |step: Option<usize>| step.and_then(|s| points.free_steps.get(s)) == Some(&true);
-    let in_strip = is_free(Some(k)) || is_free(k.checked_sub(1));
-    Source::Closing(ClosingPoint { curve: c, point: k as u32, is_upper: is_upper && in_strip })
-}
-
-impl CurveWalk {
-    /// The two triangles of a step, the same in both cells whichever way they walk.
-    fn step(&self, side: Side, k: usize) -> [[Placed; 3]; 2] {
-        let mut ends = [self.columns[k], self.columns[k + 1]];
-        if side.along(ends[0][0].0.truncate()) > side.along(ends[1][0].0.truncate()) {
-            ends.reverse();
-        }
-        let lower = usize::from(side.across(ends[0][0].0.truncate()) > side.across(ends[0][1].0.truncate()));
-        let line = |which: usize| [ends[0][which], ends[1][which]];
-        step_triangles(side, line(lower), line(1 - lower))
-    }
+    let lane = if points.strip.touches(k) { lane } else { 0 };
+    Source::Closing(ClosingPoint { curve: c, point: k as u32, lane })
 }
 
 /// Numbers the triangles of the strips: contour vertices by position, all others as new vertices behind them. Also returns

@@ -1,5 +1,6 @@
 //! The points of closing curves, and of the grid corners between them.
 
+use crate::strip::Strip;
 use glam::DVec3;
 use lacuna_grid::CornerId;
 use serde::{Deserialize, Serialize};
@@ -15,9 +16,11 @@ pub struct BorderCurve {
     pub slope: Vec<f64>,
     /// Mean distance between neighbouring points, metres.
     pub spacing_m: f64,
-    /// Where tiles overrun their cell: for each step between neighbouring inner points, true if both cells take the same
-    /// strip of triangles there.
-    pub free_steps: Vec<bool>,
+    /// What both cells share of their overlap, where tiles overrun their cell.
+    pub strip: Strip,
+    /// Heights of the strip's points between its two lines, metres, by inner point and line between lanes; a point that is
+    /// not here lies on the straight line across.
+    pub between_m: BTreeMap<(u32, u32), f64>,
 }
 
 /// All curves of a plan, by its curve numbers, and heights of the bare grid corners.

@@ -6,6 +6,7 @@ use crate::flat_water::flat_water;
 use crate::height_field::{FieldError, FieldParams, HeightField, height_field, height_field_bytes};
 use crate::region::{ClusterRegion, FieldPart, Joint, cluster_region, rim_points};
 use crate::sloped_water::sloped_water;
+use crate::strip::lines;
 use crate::water::{RimPoint, Water, forced_water, given_water, water};
 use lacuna_hole::{Plan, Surveys};
 use lacuna_mesh::PlaneFit;
@@ -163,6 +164,12 @@ pub fn raise_curves(plan: &Plan, field: &ClusterField, curves: &mut Curves) {
         if let Some(height) = height {
             *height = z;
         }
+        if let Joint::Closing(p) = joint {
+            let points = &mut curves.curves[p.curve as usize];
+            if (1..points.strip.lanes).contains(&p.lane) {
+                points.between_m.insert((p.point, p.lane), z);
+            }
+        }
     }
     for c in closing {
         raise_curve(plan, field, c, curves);
@@ -171,22 +178,17 @@ pub fn raise_curves(plan: &Plan, field: &ClusterField, curves: &mut Curves) {
 
 fn raise_curve(plan: &Plan, field: &ClusterField, c: u32, curves: &mut Curves) {
     let curve = &plan.curves[c as usize];
-    let side = curve.border.side;
-    let sides = [side, side.opposite()];
-    let domains = curve.border.cells().map(|cell| plan.domains.get(&cell));
-    let lines = domains.iter().zip(sides).filter_map(|(d, side)| d.map(|d| d.side(side).line));
-    let lines: Vec<f64> = lines.collect();
-    let low = lines.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = lines.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let [low, high] = lines(plan, curve);
+    let lanes = curves.curves[c as usize].strip.lanes;
     let joint = |source| match source {
         Source::Closing(point) => field.joints.get(&Joint::Closing(point)),
         Source::Square(point) => field.joints.get(&Joint::Square(point)),
         _ => None,
     };
     for k in 0..curves.curves[c as usize].inner.len() {
-        let height = |is_upper| joint(closing_source(plan, curves, c, k, is_upper)).copied();
-        let Some(at_low) = height(false) else { continue };
-        let at_high = height(true).unwrap_or(at_low);
+        let height = |lane| joint(closing_source(plan, curves, c, (k, lane))).copied();
+        let Some(at_low) = height(0) else { continue };
+        let at_high = height(lanes).unwrap_or(at_low);
         let slope = if high > low { (at_high - at_low) / (high - low) } else { 0.0 };
         let points = &mut curves.curves[c as usize];
         points.inner[k].z = at_low + slope * (curve.line - low);

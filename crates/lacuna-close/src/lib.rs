@@ -37,4 +37,5 @@ pub use layered::{LayeredOptions, project};
 pub use region::{ClusterRegion, FieldPart, cluster_region};
 pub use sloped_water::sloped_water;
 pub use square::SquarePoint;
+pub use strip::Strip;
 pub use water::{RimPoint, Water, forced_water, given_water, water};

@@ -167,12 +167,14 @@ enum End {
 
 fn end_of(plan: &Plan, curves: &Curves, span: &Span, corner: CornerId) -> End {
     let Span::Curve(c) = *span else { return End::Other };
-    let (curve, free) = (&plan.curves[c as usize], &curves.curves[c as usize].free_steps);
-    let anchor = Anchor::Corner(corner);
-    let ends = [(curve.low, free.first(), 0), (curve.high, free.last(), 1)];
-    let Some((_, step, k)) = ends.into_iter().find(|e| e.0 == anchor) else { return End::Other };
-    match (curve.kind, step, square_ends(plan, curve)[k]) {
-        (CurveKind::Shared, Some(true), Some(_)) => End::Strip,
+    let (curve, strip) = (&plan.curves[c as usize], &curves.curves[c as usize].strip);
+    let last = strip.shared.len().saturating_sub(1);
+    let ends = [(curve.low, 0, 0), (curve.high, last, 1)];
+    let Some((_, step, k)) = ends.into_iter().find(|e| e.0 == Anchor::Corner(corner)) else {
+        return End::Other;
+    };
+    match (curve.kind, strip.is_whole(step), square_ends(plan, curve)[k]) {
+        (CurveKind::Shared, true, Some(_)) => End::Strip,
         (CurveKind::Shared, ..) => End::Other,
         _ => End::Lone,
     }
