@@ -145,8 +145,7 @@ impl Builder<'_> {
                 }
             }
         }
-        let may_cross = matches!(self.plan.fit.mode, BorderMode::Ragged | BorderMode::Overlap);
-        if may_cross && !self.plan.tiles_meet {
+        if self.plan.fit.mode == BorderMode::Overlap {
             ring.untangle();
         }
         ring.finish()

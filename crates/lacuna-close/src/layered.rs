@@ -289,11 +289,10 @@ impl Projection<'_> {
         self.curves.curves[c as usize] = BorderCurve { inner, slope, spacing_m, ..BorderCurve::default() };
     }
 
-    /// Points that a curve must have at its low and at its high end. Where ragged tiles share vertices an end is where the line
+    /// Points that a curve must have at its low and at its high end. Where tiles are ragged an end is where the line
     /// is seen from the vertex that the curve is tied to; where they overrun their cell, at a corner's square.
     fn fixed_points(&self, curve: &Curve) -> [Option<f64>; 2] {
-        let is_ragged = self.plan.fit.mode == BorderMode::Ragged && self.plan.tiles_meet;
-        if !is_ragged || curve.kind != CurveKind::Shared {
+        if self.plan.fit.mode != BorderMode::Ragged || curve.kind != CurveKind::Shared {
             return square_ends(self.plan, curve);
         }
         let is_tied = |anchor| matches!(anchor, Anchor::Point(..));

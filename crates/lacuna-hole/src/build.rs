@@ -10,6 +10,7 @@ use crate::coverage::{Coverage, coverage};
 use crate::cut::mark_cuts;
 use crate::group::group;
 use crate::label::label_edges;
+use crate::loose::{facing_edges, share_borders};
 use crate::open_edges::closed_edges;
 use crate::outline::{outline, side_stretches};
 use crate::place::{AreaOutline, PlaceInArea};
@@ -57,7 +58,9 @@ pub fn plan(surveys: &Surveys, options: &PlanOptions) -> Plan {
     }
     let views: BTreeMap<CellId, CellView<'_>> =
         works.iter().map(|(&c, w)| (c, CellView::new(by_cell[&c], &w.domain, &w.coverage))).collect();
-    builder.finish(&views, &closed)
+    let is_ragged = options.fit.mode == BorderMode::Ragged;
+    let is_loose = is_ragged && !share_borders(surveys, &options.grid, &options.area, &options.fit);
+    builder.finish(&views, &closed, is_loose)
 }
 
 fn cell_work(survey: &CellSurvey, options: &PlanOptions, closed: &[(CellId, u32)]) -> CellWork {
@@ -326,7 +329,12 @@ impl<'a> Builder<'a> {
         self.holes.push(hole);
     }
 
-    fn finish(mut self, views: &BTreeMap<CellId, CellView<'_>>, closed: &[(CellId, u32)]) -> Plan {
+    fn finish(
+        mut self,
+        views: &BTreeMap<CellId, CellView<'_>>,
+        closed: &[(CellId, u32)],
+        is_loose: bool,
+    ) -> Plan {
         let mut shared = share(&self.pieces, views, &self.options.fit);
         for (k, &(hole, at)) in self.places.iter().enumerate() {
             if let Piece::Side { spans, .. } = &mut self.holes[hole].outer[at] {
@@ -336,9 +344,11 @@ impl<'a> Builder<'a> {
             record.leave = record.leave.max(shared.leaves[k]);
         }
         let mut corners = corner_vertices(views, &self.options.fit);
-        let all = Stitch { views, pieces: &self.pieces, fit: &self.options.fit, closed };
+        let facing = if is_loose { facing_edges(views) } else { Vec::new() };
+        let closed = if is_loose { &facing } else { closed };
+        let all = Stitch { views, pieces: &self.pieces, fit: &self.options.fit, closed, is_loose };
         let stitched = stitch(&all, &mut self.holes, &mut shared, &mut corners);
-        let tiles_meet = self.options.fit.mode == BorderMode::Exact || stitched.is_some();
+        let tiles_meet = self.options.fit.mode == BorderMode::Exact || stitched.is_some() && !is_loose;
         for gone in stitched.into_iter().flatten() {
             self.pieces.retain(|p| p.hole != gone);
             self.pieces.iter_mut().filter(|p| p.hole > gone).for_each(|p| p.hole -= 1);

@@ -2,7 +2,7 @@
 
 use crate::BorderFit;
 use crate::faces::{Cut, Node};
-use crate::open_edges::OpenEdges;
+use crate::open_edges::{OpenEdge, OpenEdges};
 use crate::plan::{Anchor, Curve, CurveKind};
 use crate::shared::{CellView, SidePiece};
 use glam::DVec2;
@@ -59,7 +59,9 @@ pub(crate) fn border_cuts(
             }
             let near = opened.get(&(cell, side)).map_or(&[][..], Vec::as_slice);
             let slack_m = 3.0 * fit.edge_m;
-            for s in stretches(open, view.domain, side, near) {
+            let both = both_open(near, cell);
+            let stretches = stretches(open, view.domain, side, near).into_iter();
+            for s in stretches.filter(|s| !open.is_loose || is_between(s, &both)) {
                 let is_near = near
                     .iter()
                     .any(|p| p.low_m - slack_m < s.ends[1].along_m && p.high_m + slack_m > s.ends[0].along_m);
@@ -69,10 +71,25 @@ pub(crate) fn border_cuts(
     }
     keep_whole_corners(&mut all);
     let kept = all.iter().filter(|s| s.1);
-    let mut cuts: Vec<Cut> = kept.filter_map(|(s, _)| cut(open, s, views, fit)).collect();
+    let mut cuts: Vec<Cut> = kept.filter_map(|(s, _)| cut(open, s, fit)).collect();
     leave_near_corners(&mut cuts, fit.edge_m);
     cuts.retain(|c| c.nodes[0] != c.nodes[1] && !has_edge(open, c));
     cuts
+}
+
+/// The stretches of a border that both cells open, by the pieces on it.
+fn both_open(pieces: &[&SidePiece], cell: CellId) -> Vec<(f64, f64)> {
+    let (own, others): (Vec<&SidePiece>, Vec<&SidePiece>) = pieces.iter().partition(|p| p.cell == cell);
+    let shared =
+        own.iter().flat_map(|a| others.iter().map(|b| (a.low_m.max(b.low_m), a.high_m.min(b.high_m))));
+    shared.filter(|(low, high)| low < high).collect()
+}
+
+/// True if a stretch has the better part of one that both cells open, or lies in one. Where tiles share no vertices their
+/// borders cross the line and each other with no hole between them.
+fn is_between(s: &Stretch, both: &[(f64, f64)]) -> bool {
+    let [low_m, high_m] = s.ends.map(|e| e.along_m);
+    both.iter().any(|&(a, b)| high_m.min(b) - low_m.max(a) > 0.5 * (high_m - low_m).min(b - a))
 }
 
 /// A corner is as good as a vertex this many median edges from it.
@@ -210,16 +227,11 @@ fn crossings(open: &OpenEdges, side: Side, line: f64, [low_m, high_m]: [f64; 2])
 }
 
 /// A stretch as a cut; `None` if both its ends go to one vertex.
-fn cut(
-    open: &OpenEdges,
-    s: &Stretch,
-    views: &BTreeMap<CellId, CellView<'_>>,
-    fit: &BorderFit,
-) -> Option<Cut> {
+fn cut(open: &OpenEdges, s: &Stretch, fit: &BorderFit) -> Option<Cut> {
     let [low_m, high_m] = s.ends.map(|e| e.along_m);
     let step_m = (0.5 * fit.edge_m).min(0.5 * (high_m - low_m));
-    let low = end_at(open, s, s.ends[0], low_m + step_m, views)?;
-    let high = end_at(open, s, s.ends[1], high_m - step_m, views)?;
+    let low = end_at(open, s, s.ends[0], low_m + step_m);
+    let high = end_at(open, s, s.ends[1], high_m - step_m);
     if low.node == high.node {
         return None;
     }
@@ -285,32 +297,35 @@ pub(crate) fn new_cut(
 }
 
 /// The vertex (or corner) where a stretch ends: of the crossing edge's ends the one nearer to the line that sees it
-/// `first_m` along, else the nearer one.
-fn end_at(
-    open: &OpenEdges,
-    s: &Stretch,
-    end: StretchEnd,
-    first_m: f64,
-    views: &BTreeMap<CellId, CellView<'_>>,
-) -> Option<CutEnd> {
+/// `first_m` along, else the nearer one; beside another tile's loose border a vertex of that.
+fn end_at(open: &OpenEdges, s: &Stretch, end: StretchEnd, first_m: f64) -> CutEnd {
     let edge = match end.at {
         EndKind::Corner(corner) => {
             let place = s.side.point(end.along_m, s.line);
-            return Some(CutEnd { anchor: Anchor::Corner(corner), node: Node::Corner(corner), place });
+            return CutEnd { anchor: Anchor::Corner(corner), node: Node::Corner(corner), place };
         }
         EndKind::Edge(edge) => &open.list[edge],
     };
-    views.get(&edge.cell)?;
-    let mut ends = [0, 1].map(|k| {
-        let place = edge.ends[k].truncate();
-        let anchor = Anchor::Point(edge.cell, edge.points[k]);
-        let node = Node::Vertex(position_bits(edge.ends[k]));
-        (CutEnd { anchor, node, place }, (s.side.across(place) - s.line).abs())
-    });
-    ends.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.node.cmp(&b.0.node)));
     let first = s.side.point(first_m, s.line);
-    let seen = ends.iter().find(|e| sees(open, e.0.place, first)).unwrap_or(&ends[0]);
-    Some(seen.0)
+    let off_m = |e: &CutEnd| (s.side.across(e.place) - s.line).abs();
+    let mut ends = edge_ends(edge).to_vec();
+    ends.sort_by(|a, b| off_m(a).total_cmp(&off_m(b)).then(a.node.cmp(&b.node)));
+    let chosen = *ends.iter().find(|e| sees(open, e.place, first)).unwrap_or(&ends[0]);
+    let Node::Vertex(place) = chosen.node else { return chosen };
+    let Some(turned) = open.turned(place) else { return chosen };
+    let mut others: Vec<CutEnd> = turned.iter().flat_map(|&e| edge_ends(&open.list[e])).collect();
+    let reach_m = |e: &CutEnd| e.place.distance(first);
+    others.sort_by(|a, b| reach_m(a).total_cmp(&reach_m(b)).then(a.node.cmp(&b.node)));
+    *others.iter().find(|e| sees(open, e.place, first)).unwrap_or(&chosen)
+}
+
+/// Both ends of an open edge as ends of a cut.
+fn edge_ends(edge: &OpenEdge) -> [CutEnd; 2] {
+    [0, 1].map(|k| {
+        let (cell, point) = edge.points[k];
+        let node = Node::Vertex(position_bits(edge.ends[k]));
+        CutEnd { anchor: Anchor::Point(cell, point), node, place: edge.ends[k].truncate() }
+    })
 }
 
 /// True if no open edge lies between a vertex and a point of the line.

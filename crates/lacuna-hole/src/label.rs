@@ -37,7 +37,8 @@ pub(crate) fn label_edges(
     labels
 }
 
-fn border_side(survey: &CellSurvey, domain: &Domain, fit: &BorderFit, edge: u32) -> Option<Side> {
+/// The side of its cell that a boundary edge lies on by distance and direction; the nearest of several.
+pub(crate) fn border_side(survey: &CellSurvey, domain: &Domain, fit: &BorderFit, edge: u32) -> Option<Side> {
     let (a, b) = (survey.from(edge).truncate(), survey.to(edge).truncate());
     let far = |side: Side| {
         let offsets = [domain.outside_m(side, a), domain.outside_m(side, b)];

@@ -1,79 +1,106 @@
-//! The boundary edges of all tiles that no neighbour closes, where tiles share the vertices along their ragged borders.
+//! The boundary edges of all ragged tiles that no neighbour closes, and the stubs that join them where tiles share no
+//! vertices along their borders.
 
-use crate::CellSurvey;
 use crate::box_tree::BoxTree;
+use crate::loose::{stubs, turned_ends};
 use crate::plan::Hole;
 use crate::shared::CellView;
+use crate::{BorderFit, CellSurvey};
 use glam::{DVec2, DVec3};
-use lacuna_grid::{CellId, SideLabel};
+use lacuna_grid::CellId;
 use lacuna_mesh::{Bounds, PointId, position_bits};
 use std::collections::BTreeMap;
-
-/// Tiles share their borders if at least this part of the edges on them is met by the neighbour's.
-const SHARED_PART: f64 = 0.25;
 
 /// The bits of a position.
 pub(crate) type Place = [u64; 3];
 
-/// A boundary edge of a tile, the missing surface on its left.
+/// A boundary edge of a tile, or a stub between two tiles; the missing surface on its left.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OpenEdge {
-    pub(crate) cell: CellId,
-    /// Index into the boundary of the cell's survey.
-    pub(crate) edge: u32,
+    /// Whose boundary edge it is, and its index in the survey's boundary; `None`: a stub.
+    pub(crate) of: Option<(CellId, u32)>,
+    /// True if it lies on the border of its cell: no rim.
+    pub(crate) is_border: bool,
     pub(crate) ends: [DVec3; 2],
-    pub(crate) points: [PointId; 2],
+    /// The vertices at the ends.
+    pub(crate) points: [(CellId, PointId); 2],
 }
 
-/// All open edges, by cell and number.
+impl OpenEdge {
+    /// The cell whose boundary edge it is.
+    pub(crate) fn cell(&self) -> Option<CellId> {
+        self.of.map(|of| of.0)
+    }
+}
+
+/// All open edges: those of tiles by cell and number, then the stubs.
 pub(crate) struct OpenEdges {
     pub(crate) list: Vec<OpenEdge>,
+    /// How many of them are boundary edges.
+    delivered: usize,
     /// Where each edge starts, with its place in the list; sorted.
     starts: Vec<(Place, usize)>,
     tree: BoxTree,
+    /// Vertices at which no cut may end, with the edges at which it may end instead; see `loose::turned_ends`.
+    turned: BTreeMap<Place, Vec<usize>>,
+    /// True if the tiles share no vertices along their borders.
+    pub(crate) is_loose: bool,
 }
 
 impl OpenEdges {
-    /// The edges of rims, islands and borders that are not `closed`: that no edge of another tile meets in the other
-    /// direction. `None` if the tiles share no borders, so that nothing can be said.
+    /// The edges of rims, islands and borders that are not `closed` (sorted): that no edge of another tile meets in the
+    /// other direction, or that only face another tile's border. With `is_loose` the rest is joined by stubs.
     pub(crate) fn new(
         holes: &[Hole],
         views: &BTreeMap<CellId, CellView<'_>>,
         closed: &[(CellId, u32)],
-    ) -> Option<Self> {
+        fit: &BorderFit,
+        is_loose: bool,
+    ) -> Self {
         let is_closed = |key: &(CellId, u32)| closed.binary_search(key).is_ok();
-        let on_borders = border_edges(views);
-        let met = on_borders.iter().filter(|key| is_closed(key)).count();
-        if (met as f64) < SHARED_PART * on_borders.len() as f64 {
-            return None;
-        }
         let mut keys: Vec<(CellId, u32)> = Vec::new();
         for hole in holes {
             if let Some(view) = views.get(&hole.cell) {
                 keys.extend(hole.rim_edges(view.survey).map(|e| (hole.cell, e)));
             }
         }
+        let mut on_border: Vec<(CellId, u32)> = Vec::new();
         for (&cell, view) in views {
             let coverage = view.coverage;
-            let runs = coverage.runs.iter().flat_map(|r| &r.edges);
-            let chains = coverage.chains.iter().flat_map(|c| &c.edges);
-            keys.extend(runs.chain(chains).map(|&e| (cell, e)));
+            on_border.extend(coverage.runs.iter().flat_map(|r| &r.edges).map(|&e| (cell, e)));
+            keys.extend(coverage.chains.iter().flat_map(|c| &c.edges).map(|&e| (cell, e)));
         }
+        on_border.sort_unstable();
+        keys.extend(&on_border);
         keys.sort_unstable();
         keys.dedup();
         keys.retain(|key| !is_closed(key));
-        let list: Vec<OpenEdge> = keys.into_iter().map(|(cell, e)| open_edge(&views[&cell], e)).collect();
+        let is_border = |key: &(CellId, u32)| on_border.binary_search(key).is_ok();
+        let mut list: Vec<OpenEdge> =
+            keys.into_iter().map(|key| open_edge(&views[&key.0], key.1, is_border(&key))).collect();
+        let delivered = list.len();
+        let mut turned = BTreeMap::new();
+        if is_loose {
+            let stubs = stubs(&list, fit);
+            turned = turned_ends(&list, &stubs);
+            list.extend(stubs);
+        }
         let mut starts: Vec<(Place, usize)> =
             list.iter().enumerate().map(|(k, e)| (position_bits(e.ends[0]), k)).collect();
         starts.sort_unstable();
         let tree = BoxTree::new(list.iter().map(|e| flat_box(e.ends[0].truncate(), e.ends[1].truncate())));
-        Some(Self { list, starts, tree })
+        Self { list, delivered, starts, tree, turned, is_loose }
     }
 
     /// The edges that start at a place.
     pub(crate) fn starting_at(&self, place: Place) -> impl Iterator<Item = usize> + '_ {
         let first = self.starts.partition_point(|s| s.0 < place);
         self.starts[first..].iter().take_while(move |s| s.0 == place).map(|s| s.1)
+    }
+
+    /// Where a cut may end instead of at a place: ends of the edges there. `None`: at the place itself.
+    pub(crate) fn turned(&self, place: Place) -> Option<&[usize]> {
+        self.turned.get(&place).map(Vec::as_slice)
     }
 
     /// The edges whose boxes touch that of a segment in plan, ascending.
@@ -83,17 +110,18 @@ impl OpenEdges {
 
     /// The place in the list of a cell's boundary edge, if it is open.
     pub(crate) fn find(&self, cell: CellId, edge: u32) -> Option<usize> {
-        self.list.binary_search_by_key(&(cell, edge), |e| (e.cell, e.edge)).ok()
+        self.list[..self.delivered].binary_search_by_key(&Some((cell, edge)), |e| e.of).ok()
     }
 }
 
-fn open_edge(view: &CellView<'_>, edge: u32) -> OpenEdge {
+fn open_edge(view: &CellView<'_>, edge: u32, is_border: bool) -> OpenEdge {
     let record = &view.survey.boundary.edges[edge as usize];
+    let cell = view.survey.cell;
     OpenEdge {
-        cell: view.survey.cell,
-        edge,
+        of: Some((cell, edge)),
+        is_border,
         ends: [view.survey.from(edge), view.survey.to(edge)],
-        points: [record.from, record.to],
+        points: [(cell, record.from), (cell, record.to)],
     }
 }
 
@@ -121,23 +149,4 @@ pub(crate) fn closed_edges(surveys: &BTreeMap<CellId, &CellSurvey>) -> Vec<(Cell
     }
     closed.sort_unstable();
     closed
-}
-
-/// The edges of all borders between two tiles.
-fn border_edges(views: &BTreeMap<CellId, CellView<'_>>) -> Vec<(CellId, u32)> {
-    let mut edges = Vec::new();
-    for (&cell, view) in views {
-        for run in &view.coverage.runs {
-            let has_other = match view.domain.side(run.side).label {
-                SideLabel::Neighbour(other) => {
-                    views.get(&other).is_some_and(|o| !o.survey.boundary.edges.is_empty())
-                }
-                SideLabel::External => false,
-            };
-            if has_other {
-                edges.extend(run.edges.iter().map(|&e| (cell, e)));
-            }
-        }
-    }
-    edges
 }

@@ -25,8 +25,10 @@ pub(crate) struct Stitch<'a> {
     pub(crate) views: &'a BTreeMap<CellId, CellView<'a>>,
     pub(crate) pieces: &'a [SidePiece],
     pub(crate) fit: &'a BorderFit,
-    /// Boundary edges that another tile's meet, sorted.
+    /// Boundary edges that another tile's meet, sorted; where tiles share no vertices those that face its border.
     pub(crate) closed: &'a [(CellId, u32)],
+    /// True if the tiles share no vertices along their borders.
+    pub(crate) is_loose: bool,
 }
 
 /// Outlines all holes anew from the open edges of all tiles together, where tiles are ragged and share vertices.
@@ -36,7 +38,7 @@ pub(crate) struct Stitch<'a> {
 /// beyond its cut, and the cut goes; (5) each hole takes its face: own edges as rim, those of others as adopted, cuts as
 /// curves. A hole without a face is left, or goes if others took up its rims. (6) Faces without cuts between two tiles are
 /// strips where both fall short. Returns the numbers of the holes that went, descending;
-/// `None` where tiles are not ragged, or share no vertices.
+/// `None` where tiles are not ragged.
 pub(crate) fn stitch(
     stitch: &Stitch<'_>,
     holes: &mut Vec<Hole>,
@@ -46,7 +48,7 @@ pub(crate) fn stitch(
     if stitch.fit.mode != BorderMode::Ragged {
         return None;
     }
-    let open = OpenEdges::new(holes, stitch.views, stitch.closed)?;
+    let open = OpenEdges::new(holes, stitch.views, stitch.closed, stitch.fit, stitch.is_loose);
     let mut cuts = border_cuts(&open, stitch.pieces, stitch.views, stitch.fit);
     for corner in cuts.iter().flat_map(|c| c.nodes) {
         if let Node::Corner(corner) = corner {
@@ -113,12 +115,12 @@ impl Rims {
     /// True if a face has an edge of its cell, or its cell has no surface.
     fn has_own(&self, open: &OpenEdges, cell: CellId, face: &Face) -> bool {
         self.hollow.contains_key(&cell)
-            || face.steps.iter().filter_map(edge_of).any(|e| open.list[e].cell == cell)
+            || face.steps.iter().filter_map(edge_of).any(|e| open.list[e].cell() == Some(cell))
     }
 
     /// The holes of a face's cell whose rims it has, or the one of a cell without rims.
     fn holes(&self, open: &OpenEdges, cell: CellId, face: &Face) -> BTreeSet<usize> {
-        let own = face.steps.iter().filter_map(edge_of).filter(|e| open.list[*e].cell == cell);
+        let own = face.steps.iter().filter_map(edge_of).filter(|e| open.list[*e].cell() == Some(cell));
         let holes: BTreeSet<usize> = own.filter_map(|e| *self.of_edge.get(&e)?).collect();
         if holes.is_empty() { self.hollow.get(&cell).copied().into_iter().collect() } else { holes }
     }
@@ -136,7 +138,7 @@ fn cell_of(open: &OpenEdges, cuts: &[Cut], face: &Face) -> Option<CellId> {
         .collect();
     let edges = || {
         face.steps.iter().filter_map(|s| match s {
-            Step::Edge(e) => Some(open.list[*e].cell),
+            Step::Edge(e) => open.list[*e].cell(),
             Step::Cut(..) => None,
         })
     };
@@ -410,9 +412,10 @@ fn give_faces(
 /// Writes a face into a hole, from the first step on its own rim.
 fn outline(stitch: &Stitch<'_>, open: &OpenEdges, cuts: &[Cut], face: &Face, hole: &mut Hole) {
     let n = face.steps.len();
-    let own = |step: Step| edge_of(&step).map(|e| &open.list[e]).filter(|e| e.cell == hole.cell);
+    let of_cell = |of: (CellId, u32)| (of.0 == hole.cell).then_some(of.1);
+    let own = |step: Step| open.list[edge_of(&step)?].of.and_then(of_cell);
     let is_own = |k: usize| own(face.steps[k % n]).is_some();
-    let used: BTreeSet<u32> = face.steps.iter().filter_map(|s| own(*s)).map(|e| e.edge).collect();
+    let used: BTreeSet<u32> = face.steps.iter().filter_map(|s| own(*s)).collect();
     if let [Piece::Rim(rim)] = &hole.outer[..]
         && rim.len() == n
         && used.len() == n
@@ -445,18 +448,20 @@ pub(crate) fn outline_pieces(
     let mut pieces: Vec<Piece> = Vec::new();
     for step in steps {
         let (side, span) = match step {
-            Step::Edge(e) if open.list[e].cell == cell => {
-                match pieces.last_mut() {
-                    Some(Piece::Rim(edges)) => edges.push(open.list[e].edge),
-                    _ => pieces.push(Piece::Rim(vec![open.list[e].edge])),
+            Step::Edge(e) => match open.list[e].of {
+                // A stub runs straight from the vertex before it to the one behind.
+                None => continue,
+                Some((own, edge)) if own == cell => {
+                    match pieces.last_mut() {
+                        Some(Piece::Rim(edges)) => edges.push(edge),
+                        _ => pieces.push(Piece::Rim(vec![edge])),
+                    }
+                    continue;
                 }
-                continue;
-            }
-            Step::Edge(e) => {
-                let edge = &open.list[e];
-                let span = Span::Adopted { neighbour: edge.cell, edges: vec![edge.edge] };
-                (side_towards(cell, edge.cell), span)
-            }
+                Some((neighbour, edge)) => {
+                    (side_towards(cell, neighbour), Span::Adopted { neighbour, edges: vec![edge] })
+                }
+            },
             Step::Cut(c, way) => (cuts[c].cells[way].map_or(Side::South, |s| s.1), Span::Curve(c as u32)),
         };
         if let (Some(Piece::Side { spans, .. }), Span::Adopted { neighbour, edges }) =

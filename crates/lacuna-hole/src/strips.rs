@@ -27,16 +27,16 @@ pub(crate) fn add_strips(stitch: &Stitch<'_>, open: &OpenEdges, walked: &Faces, 
             })
             .collect();
         let outline: Vec<DVec2> = edges.iter().map(|&e| open.list[e].ends[0].truncate()).collect();
-        let cells: BTreeSet<CellId> = edges.iter().map(|&e| open.list[e].cell).collect();
+        let cells: BTreeSet<CellId> = edges.iter().filter_map(|&e| open.list[e].cell()).collect();
         let taken = edges.iter().any(|&e| walked.of.contains_key(&Step::Edge(e)));
         let Some(&cell) = cells.first() else { continue };
         if taken || face.area_m2 <= 0.0 || !is_narrow(&outline, face.area_m2, stitch.fit) {
             continue;
         }
-        let first = edges.iter().position(|&e| open.list[e].cell == cell).unwrap_or(0);
         let n = face.steps.len();
-        let starts_own =
-            |k: usize| open.list[edges[k % n]].cell == cell && open.list[edges[(k + n - 1) % n]].cell != cell;
+        let is_own = |k: usize| open.list[edges[k % n]].cell() == Some(cell);
+        let first = (0..n).find(|&k| is_own(k)).unwrap_or(0);
+        let starts_own = |k: usize| is_own(k) && !is_own(k + n - 1);
         let first = (0..n).find(|&k| starts_own(k)).unwrap_or(first);
         let steps = (0..n).map(|k| face.steps[(first + k) % n]);
         let outer = outline_pieces(open, &[], cell, steps);

@@ -21,6 +21,7 @@ mod run;
 mod scan;
 mod select;
 mod solve;
+mod stubs;
 mod water_places;
 mod watertight;
 mod write;

@@ -1,6 +1,7 @@
 //! The last look at a cluster before it is written: do the patches of all its cells close it, with nothing left open?
 
 use super::solve::{FilledHole, Fills};
+use super::stubs::Stubs;
 use glam::{DVec2, DVec3};
 use lacuna_close::{Curves, Source};
 use lacuna_grid::{CellId, Side};
@@ -9,10 +10,10 @@ use lacuna_mesh::{Meeting, find_meetings, position_bits};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The bits of a position.
-type Place = [u64; 3];
+pub(super) type Place = [u64; 3];
 
 /// A directed edge, the missing surface on its left.
-type Edge = [Place; 2];
+pub(super) type Edge = [Place; 2];
 
 /// What a cluster's patches are judged by.
 pub(crate) struct Watertight<'a> {
@@ -27,8 +28,8 @@ impl Watertight<'_> {
     /// The outlines of its patches are taken together. Each of their edges is one of: a boundary edge of a tile that
     /// nothing else meets; an edge that another patch has in the other direction; an edge along the area's border, or over a
     /// cut inside a tile. And every rim edge is among them. Where tiles share no vertices along their borders what they
-    /// delivered is open there: an edge between two of their vertices may be free, too. Where they overlap their patches
-    /// share no edges: there only the rims are judged.
+    /// delivered is open there: stubs between vertices of two tiles may be free, too, if they leave no crack. Where they
+    /// overlap their patches share no edges: there only the rims are judged.
     pub(crate) fn defect(&self, cluster: u32, fills: &Fills) -> Option<String> {
         let holes = &self.plan.clusters.get(cluster as usize)?.holes;
         let filled: Vec<(&Hole, &FilledHole)> = holes
@@ -51,10 +52,11 @@ impl Watertight<'_> {
             .or_else(|| filled.iter().find_map(|(_, fill)| self.crossed_line(fill)))
     }
 
-    /// Where a closing line of ragged tiles crosses the outline.
+    /// Where a closing line of ragged tiles crosses the outline; of tiles that share no vertices, any part of it.
     fn crossed_line(&self, fill: &FilledHole) -> Option<String> {
         let is_made = |s: &Source| matches!(s, Source::Closing(_) | Source::Corner(_));
-        if self.plan.fit.mode != BorderMode::Ragged || !fill.sources.iter().any(is_made) {
+        let has_line = !self.plan.tiles_meet || fill.sources.iter().any(is_made);
+        if self.plan.fit.mode != BorderMode::Ragged || !has_line {
             return None;
         }
         let (mut rings, mut next): (Vec<Vec<DVec2>>, Vec<usize>) = (Vec::new(), Vec::new());
@@ -64,7 +66,8 @@ impl Watertight<'_> {
             next.extend((0..length).map(|k| first + (k + 1) % length));
         }
         let rings: Vec<&[DVec2]> = rings.iter().map(Vec::as_slice).collect();
-        let is_line = |e: usize| is_made(&fill.sources[e]) || is_made(&fill.sources[next[e]]);
+        let is_line =
+            |e: usize| !self.plan.tiles_meet || is_made(&fill.sources[e]) || is_made(&fill.sources[next[e]]);
         let crossing = find_meetings(&rings)
             .into_iter()
             .find(|p| p.meeting != Meeting::Touching && (is_line(p.first) || is_line(p.second)))?;
@@ -115,14 +118,23 @@ impl Watertight<'_> {
     fn open_edge(&self, filled: &[(&Hole, &FilledHole)], outlines: &BTreeMap<Edge, DVec3>) -> Option<String> {
         let tiles = self.tile_edges(filled, outlines);
         let mut free: Option<Vec<BTreeSet<Place>>> = None;
+        let mut stubs: Option<Stubs<'_>> = None;
         outlines.iter().find_map(|(&[a, b], &place)| {
             let met = [tiles.contains(&[a, b]), outlines.contains_key(&[b, a]), tiles.contains(&[b, a])];
             match met {
                 [true, false, false] | [false, true, false] => None,
                 [false, false, false] => {
                     let free = free.get_or_insert_with(|| self.free_places(filled));
-                    let is_free = free.iter().any(|places| places.contains(&a) && places.contains(&b));
-                    (!is_free).then(|| told(place, "an edge stays open: the tiles do not meet there"))
+                    if free.iter().any(|places| places.contains(&a) && places.contains(&b)) {
+                        return None;
+                    }
+                    let what = if self.plan.tiles_meet {
+                        Some("an edge stays open: the tiles do not meet there")
+                    } else {
+                        let stubs = stubs.get_or_insert_with(|| Stubs::new(self, filled, outlines));
+                        stubs.defect([a, b])
+                    };
+                    what.map(|what| told(place, what))
                 }
                 _ => Some(told(place, "three surfaces would meet in one edge")),
             }
@@ -142,16 +154,10 @@ impl Watertight<'_> {
         edges.filter(|[a, b]| places.contains(a) && places.contains(b)).collect()
     }
 
-    /// Sets of places between which edges may end free: those of each curve along the area's border, both sides of each cut
-    /// inside a tile, and all vertices of tiles that do not meet.
+    /// Sets of places between which edges may end free: those of each curve along the area's border, and both sides of each
+    /// cut inside a tile.
     fn free_places(&self, filled: &[(&Hole, &FilledHole)]) -> Vec<BTreeSet<Place>> {
         let mut sets = Vec::new();
-        if !self.plan.tiles_meet {
-            let delivered = |s: &Source| matches!(s, Source::Original(_) | Source::Adopted(..));
-            let vertices = filled.iter().flat_map(|(_, f)| f.sources.iter().zip(&f.rim));
-            let places = vertices.filter(|(s, _)| delivered(s)).map(|(_, p)| position_bits(*p));
-            sets.push(places.collect());
-        }
         for (hole, _) in filled {
             for piece in &hole.outer {
                 let Piece::Side { spans, .. } = piece else { continue };
@@ -208,7 +214,7 @@ impl Watertight<'_> {
 }
 
 /// The cell of a hole, and those whose border it takes.
-fn cells_of(hole: &Hole) -> Vec<CellId> {
+pub(super) fn cells_of(hole: &Hole) -> Vec<CellId> {
     let mut cells = vec![hole.cell];
     for piece in &hole.outer {
         let Piece::Side { spans, .. } = piece else { continue };
@@ -220,7 +226,7 @@ fn cells_of(hole: &Hole) -> Vec<CellId> {
     cells
 }
 
-fn edge(survey: &CellSurvey, e: u32) -> Edge {
+pub(super) fn edge(survey: &CellSurvey, e: u32) -> Edge {
     [survey.from(e), survey.to(e)].map(position_bits)
 }
 

@@ -9,7 +9,7 @@ use crate::report::Report;
 use crate::{ExitCode, RunError};
 use glam::DVec2;
 use lacuna_grid::{Area, CellId, Domain, Grid, GridHints, Side, SideLabel, TileBox, infer_grid};
-use lacuna_hole::{BorderFit, BorderMode, CellSurvey, Surveys, fit_borders};
+use lacuna_hole::{BorderFit, BorderMode, CellSurvey, Surveys, fit_borders, share_borders};
 use lacuna_mesh::{Band, Boundary, Bounds, Fans, TriMesh, boundary};
 use lacuna_tile::{ReadOptions, Scene, TileGroup, UpAxis, read_tile};
 use serde_json::Value;
@@ -80,6 +80,12 @@ impl Layout {
         let domain = self.domain(cell);
         let is_near = |s: Side| domain.outside_m(s, place) >= -self.tolerance_m();
         Side::ALL.into_iter().any(|s| domain.side(s).label == SideLabel::External && is_near(s))
+    }
+
+    /// How far beside each other the borders of ragged tiles run that share no vertices; `None` if they share them.
+    pub(super) fn stub_reach_m(&self) -> Option<f64> {
+        let share = share_borders(&self.surveys, &self.grid, &self.area, &self.fit);
+        (!share).then_some(2.0 * self.fit.tolerance_m)
     }
 
     /// Boundary edges of a delivered tile near its borders.

@@ -1,17 +1,20 @@
 //! Promise 4 where tiles are ragged: every edge on which a patch ends is met by exactly one edge of another tile, or lies on
-//! the area's border.
+//! the area's border, or (where the tiles share no vertices) leads from one tile's border to the other's without a crack.
 
 use super::patches::place;
-use super::seams::CellBorder;
+use super::seams::{BorderEdge, CellBorder};
 use super::verdict::Findings;
 use glam::{DVec2, DVec3};
 use lacuna_grid::CellId;
+use lacuna_hole::is_cracked_stub;
 use lacuna_mesh::position_bits;
 use std::collections::BTreeMap;
 
-/// Checks the boundaries of all cells against each other. `is_outer` tells what lies on the area's border.
+/// Checks the boundaries of all cells against each other. `is_outer` tells what lies on the area's border; `stub_reach_m`
+/// how far tiles that share no vertices stray, if they do not.
 pub(super) fn check_ragged(
     cells: &BTreeMap<CellId, CellBorder>,
+    stub_reach_m: Option<f64>,
     is_outer: impl Fn(CellId, DVec2) -> bool,
 ) -> Findings {
     let mut findings = Findings::default();
@@ -19,10 +22,10 @@ pub(super) fn check_ragged(
     for edge in cells.values().flat_map(|c| &c.edges) {
         *uses.entry(key(edge.from, edge.to)).or_default() += 1;
     }
-    if !tiles_meet(cells, &uses) {
-        findings.note("the tiles share no vertices along their borders, so that patches have none to meet");
-        return findings;
+    if stub_reach_m.is_some() {
+        findings.note("the tiles share no vertices along their borders: what they delivered is open there");
     }
+    let stubs = stub_reach_m.map(|reach_m| Stubs::new(cells, &uses, reach_m));
     let count = |from: DVec3, to: DVec3| uses.get(&key(from, to)).copied().unwrap_or(0);
     for (&cell, border) in cells {
         for edge in border.edges.iter().filter(|e| e.is_patch) {
@@ -32,7 +35,16 @@ pub(super) fn check_ragged(
                     continue;
                 }
                 (_, 0) if [edge.from, edge.to].iter().all(|p| is_outer(cell, p.truncate())) => continue,
-                (_, 0) => "a patch edge that no other tile meets",
+                (_, 0) => match &stubs {
+                    Some(stubs) if stubs.joins(edge) => match stubs.is_cracked(cell, edge) {
+                        true => "a crack beside the edge that joins two tiles",
+                        false => {
+                            findings.count("stubs between tiles", 1);
+                            continue;
+                        }
+                    },
+                    _ => "a patch edge that no other tile meets",
+                },
                 _ => "more than two surfaces meet in an edge",
             };
             let middle = edge.from.midpoint(edge.to).truncate();
@@ -49,23 +61,44 @@ fn key(from: DVec3, to: DVec3) -> [[u64; 3]; 2] {
     [position_bits(from), position_bits(to)]
 }
 
-/// Of the delivered boundary that is left one edge in eight is met by another tile's.
-const MET_PART: u64 = 8;
+/// What edges between two tiles that share no vertices are judged by.
+struct Stubs {
+    /// Delivered vertices that are left on boundaries, and their cells.
+    vertices: BTreeMap<[u64; 3], CellId>,
+    /// Edges that nothing meets, and their cells.
+    free: Vec<(CellId, [DVec3; 2])>,
+    reach_m: f64,
+}
 
-/// True if tiles share the vertices along their borders.
-fn tiles_meet(cells: &BTreeMap<CellId, CellBorder>, uses: &Uses) -> bool {
-    let (mut all, mut met) = (0, 0);
-    for edge in cells.values().flat_map(|c| &c.edges).filter(|e| !e.is_patch) {
-        all += 1;
-        met += u64::from(uses.contains_key(&key(edge.to, edge.from)));
+impl Stubs {
+    fn new(cells: &BTreeMap<CellId, CellBorder>, uses: &Uses, reach_m: f64) -> Self {
+        let mut stubs = Self { vertices: BTreeMap::new(), free: Vec::new(), reach_m };
+        for (&cell, edge) in cells.iter().flat_map(|(c, b)| b.edges.iter().map(move |e| (c, e))) {
+            if !edge.is_patch {
+                stubs.vertices.extend([edge.from, edge.to].map(|p| (position_bits(p), cell)));
+            }
+            if !uses.contains_key(&key(edge.to, edge.from)) {
+                stubs.free.push((cell, [edge.from, edge.to]));
+            }
+        }
+        stubs
     }
-    met * MET_PART >= all
+
+    /// True if an edge leads from a vertex that one tile was delivered with to one of another's.
+    fn joins(&self, edge: &BorderEdge) -> bool {
+        let cells = [edge.from, edge.to].map(|p| self.vertices.get(&position_bits(p)));
+        matches!(cells, [Some(a), Some(b)] if a != b)
+    }
+
+    fn is_cracked(&self, cell: CellId, edge: &BorderEdge) -> bool {
+        let theirs: Vec<[DVec3; 2]> = self.free.iter().filter(|f| f.0 != cell).map(|f| f.1).collect();
+        is_cracked_stub([edge.from, edge.to], &theirs, self.reach_m)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verify::seams::BorderEdge;
 
     fn border(points: &[(f64, f64)], is_patch: bool) -> CellBorder {
         let at = |&(x, y): &(f64, f64)| DVec3::new(x, y, 0.0);
@@ -88,15 +121,31 @@ mod tests {
             let mut cells: BTreeMap<CellId, CellBorder> = [(CellId::new(0, 0), border(&line, true))].into();
             let others = (1..).zip(others).map(|(k, points)| (CellId::new(k, 0), border(&points, false)));
             cells.extend(others);
-            // Elsewhere the tiles meet.
-            let far = [(90.0, 1.0), (90.0, 3.0), (90.0, 5.0)];
-            let far_back: Vec<(f64, f64)> = far.iter().rev().copied().collect();
-            cells.insert(CellId::new(8, 0), border(&far, false));
-            cells.insert(CellId::new(9, 0), border(&far_back, false));
-            let found = check_ragged(&cells, |_, _| false).into_result(4, "", true);
+            let found = check_ragged(&cells, None, |_, _| false).into_result(4, "", true);
             assert_eq!(found.offenders, expected, "{name}: {:?}", found.details);
-            let outer = check_ragged(&cells, |_, _| true).into_result(4, "", true);
+            let outer = check_ragged(&cells, None, |_, _| true).into_result(4, "", true);
             assert!(outer.offenders <= found.offenders, "{name}");
+        }
+    }
+
+    #[test]
+    fn stubs_join_two_tiles_without_a_crack() {
+        // The west tile ends north of y = 5, the east tile north of `end`; the stub belongs to the west tile's patch.
+        for (name, end, is_across, expected) in [
+            ("to where the other one ends", 4.0, false, 0),
+            ("beside the other one", 7.0, false, 1),
+            ("across the border", 5.2, true, 0),
+        ] {
+            let width = if is_across { 0.6 } else { 0.2 };
+            let west = border(&[(10.0, 1.0), (10.0, 5.0)], false);
+            let mut with_stub = west.clone();
+            with_stub.edges.extend(border(&[(10.0, 5.0), (10.0 + width, end)], true).edges);
+            let east = border(&[(10.0 + width, end), (10.0 + width, 1.0)], false);
+            let cells = [(CellId::new(0, 0), with_stub), (CellId::new(1, 0), east)].into();
+            let found = check_ragged(&cells, Some(3.0), |_, _| false).into_result(4, "", true);
+            assert_eq!(found.offenders, expected, "{name}: {:?}", found.details);
+            let met = check_ragged(&cells, None, |_, _| false).into_result(4, "", true);
+            assert_eq!(met.offenders, 1, "{name}: where tiles share vertices no stub stays open");
         }
     }
 }

@@ -278,14 +278,17 @@ fn seams(
     let mut findings = match layout.fit.mode {
         BorderMode::Overrun => check_overlaps(strips, grid, layout.fit.margin_m, tolerance_m),
         BorderMode::Exact => check_seams(&borders, grid, tolerance_m, &layout.area.cells, &layout.unreadable),
-        BorderMode::Ragged => check_ragged(&borders, |cell, place| layout.is_outer(cell, place)),
+        BorderMode::Ragged => {
+            check_ragged(&borders, layout.stub_reach_m(), |cell, place| layout.is_outer(cell, place))
+        }
         BorderMode::Overlap => Findings::default(),
     };
     findings.note(format!("tiles meet their borders: {:?}", layout.fit.mode).to_lowercase());
     if layout.fit.mode == BorderMode::Overlap {
         findings.note("such tiles share no border vertices, and their overlap has no fixed width to compare");
     }
-    let judged = ["border vertices", "border edges", "samples"].map(|what| findings.counted(what));
+    let judged = ["border vertices", "border edges", "samples", "stubs between tiles"]
+        .map(|what| findings.counted(what));
     let is_judged = judged.iter().sum::<u64>() > 0;
     findings.into_result(4, TITLES[3], is_judged)
 }
