@@ -36,29 +36,30 @@ pub fn share_borders(surveys: &Surveys, grid: &Grid, area: &Area, fit: &BorderFi
     met as f64 >= SHARED_PART * edges.len() as f64
 }
 
-/// True if a stub (the edge on which a patch ends between two tiles that share no vertices) leaves a crack beside it: it
-/// runs rather along the border than across, and one of its ends lies on it beside an edge of `theirs`, or a vertex of
-/// those beside it. `theirs` are edges of other tiles that nothing meets; those farther than `reach_m` do not count.
+/// True if a stub (the edge on which a patch of `owner` ends between two tiles that share no vertices) leaves a crack
+/// beside it: it runs rather along a border than across, and one of its ends lies beside an edge of the tile beyond, or a
+/// vertex of that tile beside it. `free` are edges that nothing meets, with their cells; those farther than `reach_m` from
+/// the stub do not count.
 #[must_use]
-pub fn is_cracked_stub(stub: [DVec3; 2], theirs: &[[DVec3; 2]], reach_m: f64) -> bool {
+pub fn is_cracked_stub(stub: [DVec3; 2], owner: CellId, free: &[(CellId, [DVec3; 2])], reach_m: f64) -> bool {
     let [a, b] = stub.map(|p| p.truncate());
-    let is_along = |[from, to]: [DVec2; 2], axis: usize| {
-        let step = (to - from).abs();
-        step[axis] >= step[1 - axis]
+    let [low, high] = [a.min(b) - DVec2::splat(reach_m), a.max(b) + DVec2::splat(reach_m)];
+    let is_near = |f: &[DVec2; 2]| f[0].min(f[1]).cmple(high).all() && f[0].max(f[1]).cmpge(low).all();
+    let runs_along = |side: Side, [from, to]: [DVec2; 2]| {
+        (side.along(to) - side.along(from)).abs() >= (side.across(to) - side.across(from)).abs()
     };
-    (0..2).filter(|&axis| is_along([a, b], axis)).any(|axis| {
-        let low = a.min(b) - DVec2::splat(reach_m);
-        let high = a.max(b) + DVec2::splat(reach_m);
-        let is_near = |f: &[DVec2; 2]| f[0].min(f[1]).cmple(high).all() && f[0].max(f[1]).cmpge(low).all();
-        let flat = theirs.iter().map(|f| f.map(|p| p.truncate()));
-        let beside: Vec<[DVec2; 2]> = flat.filter(|f| is_along(*f, axis) && is_near(f)).collect();
-        let is_theirs = |p: DVec2| beside.iter().any(|f| f.contains(&p));
+    Side::ALL.into_iter().filter(|&side| runs_along(side, [a, b])).any(|side| {
+        let beyond = owner.neighbour(side);
+        let theirs = free.iter().filter(|f| f.0 == beyond).map(|f| f.1.map(|p| p.truncate()));
+        let theirs: Vec<[DVec2; 2]> = theirs.filter(|f| is_near(f) && runs_along(side, *f)).collect();
         let covers = |[from, to]: [DVec2; 2], p: DVec2| {
-            from[axis].min(to[axis]) <= p[axis] && p[axis] <= from[axis].max(to[axis])
+            let [from, to, at] = [from, to, p].map(|p| side.along(p));
+            from.min(to) <= at && at <= from.max(to)
         };
-        let is_over = |p: DVec2| !is_theirs(p) && beside.iter().any(|f| covers(*f, p));
+        let is_over =
+            |p: DVec2| theirs.iter().all(|f| !f.contains(&p)) && theirs.iter().any(|f| covers(*f, p));
         let is_under = |p: DVec2| p != a && p != b && covers([a, b], p);
-        is_over(a) || is_over(b) || beside.iter().flatten().any(|&p| is_under(p))
+        is_over(a) || is_over(b) || theirs.iter().flatten().any(|&p| is_under(p))
     })
 }
 

@@ -130,7 +130,8 @@ fn flat_box(a: DVec2, b: DVec2) -> Bounds {
     Bounds { min: a.min(b).extend(0.0), max: a.max(b).extend(0.0) }
 }
 
-/// Boundary edges that an edge of another tile meets in the other direction, each with one: by cell and number, sorted.
+/// Boundary edges that an edge of another tile (or another one of the same tile) meets in the other direction, pair by
+/// pair: of edges on one another as many are closed as run each way. By cell and number, sorted.
 pub(crate) fn closed_edges(surveys: &BTreeMap<CellId, &CellSurvey>) -> Vec<(CellId, u32)> {
     // The ends in a fixed order, then the direction: edges that meet lie side by side.
     let mut edges: Vec<([Place; 2], bool, CellId, u32)> = Vec::new();

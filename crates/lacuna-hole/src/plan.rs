@@ -222,7 +222,7 @@ pub struct Plan {
     /// Uncovered stretches of borders without rims to tell what they are.
     pub unclear_stretches: u32,
     /// True unless tiles are ragged or overlap and share no vertices along their borders: then what was delivered is open
-    /// there, and patches meet only along closing curves.
+    /// there, and patches end between two tiles in stubs.
     #[serde(skip)]
     pub tiles_meet: bool,
 }

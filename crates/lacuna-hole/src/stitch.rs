@@ -1,5 +1,5 @@
-//! Ragged borders: tiles share the vertices along their common border, but the border is no straight line. The rims of all
-//! tiles are taken together and cut along the border lines, so that every open edge belongs to one hole.
+//! Ragged borders: no straight lines, with common vertices or without. The rims of all tiles are taken together and cut
+//! along the border lines, so that every open edge belongs to one hole.
 
 use crate::cuts::{CutEnd, border_cuts, new_cut};
 use crate::faces::{Cut, Face, Faces, Node, Step, faces};
@@ -31,9 +31,9 @@ pub(crate) struct Stitch<'a> {
     pub(crate) is_loose: bool,
 }
 
-/// Outlines all holes anew from the open edges of all tiles together, where tiles are ragged and share vertices.
+/// Outlines all holes anew from the open edges of all tiles together, where tiles are ragged.
 ///
-/// Steps: (1) open edges: boundary edges that no other tile's edge meets; (2) cuts: where the border lines run between
+/// Steps: (1) open edges: boundary edges that no other tile's edge meets, or (of tiles that share no vertices) faces; (2) cuts: where the border lines run between
 /// them; (3) faces of both, each in one cell; (4) an outline that is small, or has no rim of its cell, goes to the hole
 /// beyond its cut, and the cut goes; (5) each hole takes its face: own edges as rim, those of others as adopted, cuts as
 /// curves. A hole without a face is left, or goes if others took up its rims. (6) Faces without cuts between two tiles are

@@ -5,6 +5,7 @@ mod kit;
 
 use kit::{SceneFolder, repair, report};
 use lacuna::report::{Outcome, Report};
+use lacuna::{Again, Status, VerifyOptions, verify};
 use scene::class::{Class, Form};
 use scene::encode::Format;
 use scene::make::make;
@@ -84,6 +85,24 @@ impl Repaired {
         let seams = &self.report.seams;
         assert_eq!(seams.differing_vertices, 0, "{what}: {seams:?}");
         assert!(self.scene.path().exists());
+    }
+
+    /// Tiles that share no vertices: what is filled is closed and verified; where the tiles overlap at the end of a rim, no
+    /// edge joins them, and the hole is left with that reason. At `least` so many are filled.
+    #[track_caller]
+    fn check_ragged(&self, least: usize, what: &str) {
+        assert_eq!(self.found(), self.promised, "{what}: classes by cell");
+        let (filled, left): (Vec<_>, Vec<_>) =
+            self.report.holes.iter().partition(|h| h.outcome == Outcome::Filled);
+        assert!(filled.len() >= least, "{what}: {} of {} filled", filled.len(), self.report.holes.len());
+        assert!(left.iter().all(|h| h.reason.is_some()), "{what}: {left:?}");
+        let options = VerifyOptions { threads: 1, again: Again::Never, ..VerifyOptions::default() };
+        let verdict = verify(self.scene.path(), &self.scene.beside("out"), &options)
+            .unwrap_or_else(|e| panic!("{what}: {e}"));
+        let wrong: Vec<_> = verdict.promises.iter().filter(|p| p.status == Status::Broken).collect();
+        assert!(wrong.is_empty(), "{what}: {wrong:?}");
+        let is_judged = verdict.promises.iter().any(|p| p.number == 4 && p.status == Status::Held);
+        assert!(is_judged || filled.len() < self.report.holes.len(), "{what}: borders are not judged");
     }
 }
 
@@ -189,8 +208,20 @@ fn tiles_that_overrun_or_stray_show_the_same_classes() {
             let mode = &repaired.report.scene.border_mode;
             let expected = if matches!(cut, CutOption::Overrun(_)) { "overrun" } else { "ragged" };
             assert_eq!(mode, expected, "{what}");
-            repaired.check(&what);
+            match cut {
+                CutOption::Ragged(_) => repaired.check_ragged(3, &what),
+                _ => repaired.check(&what),
+            }
         }
+    }
+}
+
+#[test]
+fn tiles_that_stray_without_common_vertices_close_over_borders_and_corners() {
+    for reach_m in [0.5, 1.0] {
+        let what = format!("reach {reach_m}");
+        let options = MakeOptions { cut: CutOption::Ragged(reach_m), seed: 13, ..small() };
+        make_and_repair(options, &what).check_ragged(11, &what);
     }
 }
 

@@ -65,10 +65,8 @@ impl<'a> Stubs<'a> {
         let (Some(from), Some(to), Some(&owner)) = (ends[0], ends[1], self.owners.get(&stub)) else {
             return Some("an edge stays open: the tiles do not meet there");
         };
-        let theirs: Vec<[DVec3; 2]> =
-            self.free.iter().filter(|(cell, _)| *cell != owner).map(|(_, ends)| *ends).collect();
         let reach_m = 2.0 * self.all.plan.fit.tolerance_m;
-        is_cracked_stub([from.1, to.1], &theirs, reach_m)
+        is_cracked_stub([from.1, to.1], owner, &self.free, reach_m)
             .then_some("the tiles overlap where the rim ends, and no edge joins them without a crack")
     }
 }

@@ -91,8 +91,7 @@ impl Stubs {
     }
 
     fn is_cracked(&self, cell: CellId, edge: &BorderEdge) -> bool {
-        let theirs: Vec<[DVec3; 2]> = self.free.iter().filter(|f| f.0 != cell).map(|f| f.1).collect();
-        is_cracked_stub([edge.from, edge.to], &theirs, self.reach_m)
+        is_cracked_stub([edge.from, edge.to], cell, &self.free, self.reach_m)
     }
 }
 
