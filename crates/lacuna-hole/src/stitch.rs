@@ -33,12 +33,12 @@ pub(crate) struct Stitch<'a> {
 
 /// Outlines all holes anew from the open edges of all tiles together, where tiles are ragged.
 ///
-/// Steps: (1) open edges: boundary edges that no other tile's edge meets, or (of tiles that share no vertices) faces; (2) cuts: where the border lines run between
-/// them; (3) faces of both, each in one cell; (4) an outline that is small, or has no rim of its cell, goes to the hole
-/// beyond its cut, and the cut goes; (5) each hole takes its face: own edges as rim, those of others as adopted, cuts as
-/// curves. A hole without a face is left, or goes if others took up its rims. (6) Faces without cuts between two tiles are
-/// strips where both fall short. Returns the numbers of the holes that went, descending;
-/// `None` where tiles are not ragged.
+/// Steps: (1) open edges: boundary edges that no other tile's edge meets, or (of tiles that share no vertices) faces;
+/// (2) cuts: where the border lines run between them; (3) faces of both, each in one cell; (4) an outline that is small, or
+/// has no rim of its cell, goes to the hole beyond its cut, and the cut goes; (5) each hole takes its face: own edges as
+/// rim, those of others as adopted, cuts as curves. A hole without a face is left, or goes if others took up its rims.
+/// (6) Faces without cuts between two tiles are strips where both fall short. Returns the numbers of the holes that went,
+/// descending; `None` where tiles are not ragged.
 pub(crate) fn stitch(
     stitch: &Stitch<'_>,
     holes: &mut Vec<Hole>,
@@ -436,6 +436,14 @@ fn outline(stitch: &Stitch<'_>, open: &OpenEdges, cuts: &[Cut], face: &Face, hol
     let first = (0..n).find(|&k| is_own(k) && !is_own(k + n - 1)).unwrap_or(0);
     let steps = (0..n).map(|k| face.steps[(first + k) % n]);
     hole.outer = outline_pieces(open, cuts, hole.cell, steps);
+    hole.rim_vertices = rim_vertices(stitch, hole);
+}
+
+/// Vertices on the rims of a hole; one that two of its rims have counts for each.
+fn rim_vertices(stitch: &Stitch<'_>, hole: &Hole) -> u32 {
+    let rims = hole.outer.iter().filter(|p| matches!(p, Piece::Rim(_))).count();
+    let edges = stitch.views.get(&hole.cell).map_or(0, |v| hole.rim_edges(v.survey).count());
+    (edges + if hole.class == HoleClass::Closed { 0 } else { rims }) as u32
 }
 
 /// The pieces of a walk as a cell sees them: its own edges, those of others, and curves.
