@@ -1,16 +1,13 @@
 //! The contour of one hole: rim, adopted vertices and closing points in order, and the surface behind them.
 
 use crate::Curves;
+use crate::ring::RingBuilder;
 use crate::square::{Square, SquarePoint, square_vertex, strip_end};
 use crate::strip::{Node, lines};
-use crate::untangle::untangle;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use lacuna_grid::{CellId, CornerId, Side};
 use lacuna_hole::{Anchor, BorderMode, CellSurvey, CurveKind, Hole, Piece, Plan, Span, Surveys};
-use lacuna_mesh::{
-    Contour, ContourEdge, ContourRing, ContourVertex, EdgeKind, Patch, PointId, Support, VertexId,
-    position_bits,
-};
+use lacuna_mesh::{Contour, ContourRing, Patch, PointId, Support, VertexId, position_bits};
 use std::collections::{BTreeMap, BTreeSet};
 use thiserror::Error;
 
@@ -123,7 +120,7 @@ struct Builder<'a> {
 }
 
 /// A position and where it comes from.
-type Placed = (DVec3, Source);
+pub(crate) type Placed = (DVec3, Source);
 
 impl Builder<'_> {
     fn outer(&mut self) -> Result<(ContourRing, Vec<Source>), CloseError> {
@@ -463,85 +460,4 @@ fn without_contour_edges(contour: &Contour, pairs: Vec<[u32; 2]>) -> Vec<[u32; 2
     pairs.dedup();
     pairs.retain(|p| own.binary_search(p).is_err());
     pairs
-}
-
-/// A ring in the making: vertices, and the kind of the edge that leaves each.
-#[derive(Default)]
-struct RingBuilder {
-    vertices: Vec<ContourVertex>,
-    sources: Vec<Source>,
-    /// The edge from the vertex of the same index to the next one; a border edge until a rim edge is added.
-    edges: Vec<ContourEdge>,
-}
-
-const BORDER_EDGE: ContourEdge = ContourEdge { kind: EdgeKind::Border, apex: None };
-
-impl RingBuilder {
-    /// Boundary edges of a cell in a row, ends included; of the hole's own cell or of a neighbour.
-    fn add_edges(&mut self, survey: &CellSurvey, edges: &[u32], neighbour: Option<CellId>) {
-        for &e in edges {
-            let edge = &survey.boundary.edges[e as usize];
-            for (point, is_start) in [(edge.from, true), (edge.to, false)] {
-                let source = match neighbour {
-                    None => Source::Original(survey.boundary.points[point.index()].vertex),
-                    Some(cell) => Source::Adopted(cell, point),
-                };
-                self.push(survey.position(point), survey.spacing_m[point.index()], source);
-                if is_start && let Some(last) = self.edges.last_mut() {
-                    *last = ContourEdge { kind: EdgeKind::Rim, apex: Some(edge.apex) };
-                }
-            }
-        }
-    }
-
-    /// A vertex on the border; its spacing is that of its edges.
-    fn add_border(&mut self, (position, source): Placed) {
-        self.push(position, 0.0, source);
-    }
-
-    fn push(&mut self, position: DVec3, spacing_m: f64, source: Source) {
-        if let (Some(last), Some(known)) = (self.vertices.last(), self.sources.last_mut())
-            && last.position == position
-        {
-            if matches!(source, Source::Original(_)) {
-                *known = source;
-            }
-            return;
-        }
-        self.vertices.push(ContourVertex { position, spacing_m });
-        self.sources.push(source);
-        self.edges.push(BORDER_EDGE);
-    }
-
-    /// Takes out vertices of others where the ring crosses itself.
-    fn untangle(&mut self) {
-        let places: Vec<DVec2> = self.vertices.iter().map(|v| v.position.truncate()).collect();
-        let left = untangle(&places, |v| self.sources[v].is_new());
-        if left.len() == places.len() {
-            return;
-        }
-        let n = places.len();
-        let follows = |k: usize| left[(k + 1) % left.len()] == (left[k] + 1) % n;
-        self.edges =
-            (0..left.len()).map(|k| if follows(k) { self.edges[left[k]] } else { BORDER_EDGE }).collect();
-        self.vertices = left.iter().map(|&v| self.vertices[v]).collect();
-        self.sources = left.iter().map(|&v| self.sources[v]).collect();
-    }
-
-    fn finish(mut self) -> Result<(ContourRing, Vec<Source>), CloseError> {
-        if self.vertices.len() > 1
-            && self.vertices.first().map(|v| v.position) == self.vertices.last().map(|v| v.position)
-        {
-            // The last vertex is the first one again: its edge, if any, leaves the first.
-            self.vertices.pop();
-            self.edges.pop();
-            if let (Some(Source::Original(v)), Some(first)) = (self.sources.pop(), self.sources.first_mut()) {
-                *first = Source::Original(v);
-            }
-        }
-        if self.vertices.len() < 3 {
-            return Err(CloseError::TooFewVertices);
-        }
-        Ok((ContourRing { vertices: self.vertices, edges: self.edges }, self.sources))
-    }
 }

@@ -20,6 +20,7 @@ mod profile;
 mod refine;
 mod region;
 mod rim_join;
+mod ring;
 mod robust;
 mod sample;
 mod sloped_water;

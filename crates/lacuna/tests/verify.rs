@@ -104,6 +104,25 @@ fn tiles_that_overrun_their_cell_are_compared_over_the_overlap() {
     assert_eq!(broken(&NEVER.judge(scene.path(), &out)), [4]);
 }
 
+/// The widest margins that these scenes can have, a lake over four cells, one at the scene's edge: strips, and squares where
+/// they meet.
+#[test]
+fn cells_that_overlap_agree_at_corners_and_at_the_scenes_edge() {
+    for (preset, triangles, margin_m) in [(Preset::Small, 8_000, 0.6), (Preset::A, 4_000, 2.2)] {
+        let options = MakeOptions {
+            cut: CutOption::Overrun(margin_m),
+            triangles: Some(triangles),
+            seed: 6,
+            ..MakeOptions::new(preset)
+        };
+        let (scene, out) = repaired(made(options), &["--area", "box", "--external", "fill"]);
+        let verdict = NEVER.judge(scene.path(), &out);
+        assert!(verdict.is_ok(), "{}", verdict.to_text());
+        let seams = verdict.promise(4).expect("a result");
+        assert!(seams.counts["samples"] > 100, "{}", verdict.to_text());
+    }
+}
+
 /// A damage: to which tile, which promises it must break, which it may break besides.
 type Damage = (&'static str, &'static str, fn(&mut PlyTile), &'static [u8], &'static [u8]);
 

@@ -51,7 +51,7 @@ impl<'a> Stubs<'a> {
                 let cell = match fill.sources[a] {
                     Source::Original(_) => hole.cell,
                     Source::Adopted(cell, _) => cell,
-                    Source::Closing(_) | Source::Corner(_) => continue,
+                    Source::Closing(_) | Source::Corner(_) | Source::Square(_) => continue,
                 };
                 self.vertices.insert(ends[0], (cell, fill.rim[a]));
             }
