@@ -6,9 +6,11 @@ mod ply;
 
 use crate::lattice::UNITS_PER_M;
 use crate::tile::Tile;
+use serde::{Deserialize, Serialize};
 
 /// A tile format.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Format {
     /// Binary PLY, little endian, f32.
     Ply,

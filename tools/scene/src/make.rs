@@ -8,7 +8,7 @@ use crate::tile::CellScene;
 use std::path::{Path, PathBuf};
 
 /// What was made.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
     /// Tiles written.
     pub tiles: usize,
@@ -63,13 +63,48 @@ pub enum MakeError {
 pub fn make(maker: &Maker, out: &Path) -> Result<Summary, MakeError> {
     claim_folder(out)?;
     let mut record = Record::start(maker, out)?;
+    let summary = write_cells(maker, out, |scene, bytes| record.add(maker, scene, bytes))?;
+    record.finish(maker, &summary, out)?;
+    Ok(summary)
+}
+
+/// Makes the tiles alone, for scenes on which time and memory are measured: what judges a repair would be copied with
+/// them, and of large holes it is as large as a tile.
+///
+/// # Errors
+/// See [`MakeError`]; files written so far stay.
+pub fn make_tiles(maker: &Maker, out: &Path) -> Result<Summary, MakeError> {
+    claim_folder(out)?;
+    write_cells(maker, out, |_, _| Ok(()))
+}
+
+/// Writes every cell's tile and hands the cell with the tile's bytes (0: no file) to `record`.
+fn write_cells(
+    maker: &Maker,
+    out: &Path,
+    mut record: impl FnMut(&CellScene, u64) -> Result<(), MakeError>,
+) -> Result<Summary, MakeError> {
+    let mut summary = Summary::default();
     for cell in maker.plan().area.cells() {
         let scene = maker.cell(cell)?;
         check_classes(maker, &scene)?;
         let bytes = if scene.tile.triangles.is_empty() { 0 } else { write_tile(maker, &scene, out)? };
-        record.add(maker, &scene, bytes)?;
+        summary.add(&scene, bytes);
+        record(&scene, bytes)?;
     }
-    record.finish(maker, out)
+    Ok(summary)
+}
+
+impl Summary {
+    fn add(&mut self, scene: &CellScene, bytes: u64) {
+        self.tiles += usize::from(bytes > 0);
+        self.cells += 1;
+        self.triangles += scene.tile.triangles.len() as u64;
+        self.bytes += bytes;
+        for piece in &scene.pieces {
+            *self.counts.entry(piece.class).or_default() += 1;
+        }
+    }
 }
 
 fn claim_folder(out: &Path) -> Result<(), MakeError> {

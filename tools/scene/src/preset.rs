@@ -1,8 +1,10 @@
 //! The presets: which holes where.
 
 mod a;
+mod b;
 mod city;
 mod demo;
+mod growing;
 mod small;
 
 use crate::area::Cell;
@@ -10,9 +12,11 @@ use crate::hole::Hole;
 use crate::plan::Plan;
 use crate::random::Rng;
 use crate::stamp::Placement;
+use serde::{Deserialize, Serialize};
 
 /// A named kind of scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Preset {
     /// A lake, a river, an island, ponds: 6 x 5 cells of 100 m.
     Demo,
@@ -22,6 +26,12 @@ pub enum Preset {
     City,
     /// One hole of 57,000 square metres over 2 x 2 cells of 250 m, and one at the edge.
     A,
+    /// 8 x 4 cells of 250 m, holes as in Wang et al. 2021, tables 1 and 2.
+    B,
+    /// The same with the holes of table 3.
+    BAdded,
+    /// 4 x 2 cells of 250 m that repeat over larger areas.
+    Growing,
 }
 
 impl Preset {
@@ -33,6 +43,7 @@ impl Preset {
             Self::Small => 2_000,
             Self::City => 20_000,
             Self::A => 50_000,
+            Self::B | Self::BAdded | Self::Growing => 20_000,
         }
     }
 
@@ -47,6 +58,9 @@ impl Preset {
             Self::Small => small::plan(cells, &mut rng),
             Self::City => city::plan(cells, &mut rng),
             Self::A => a::plan(cells, &mut rng),
+            Self::B => b::plan(false, cells, &mut rng),
+            Self::BAdded => b::plan(true, cells, &mut rng),
+            Self::Growing => growing::plan(cells, &mut rng),
         }?;
         for (number, hole) in plan.holes.iter_mut().enumerate() {
             hole.id = format!("hole_{:03}", number + 1);

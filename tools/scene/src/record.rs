@@ -5,7 +5,6 @@ use crate::class::Class;
 use crate::lattice::UNITS_PER_M;
 use crate::make::{MakeError, Summary, io_error};
 use crate::maker::{CutOption, Maker};
-use crate::plan::Counts;
 use crate::shape::Place;
 use crate::tile::{CellScene, Lost};
 use serde::Serialize;
@@ -21,7 +20,6 @@ pub(crate) struct Record {
     cells: Vec<CellRecord>,
     pieces: Vec<BTreeMap<Cell, PieceRecord>>,
     lost: Vec<u64>,
-    counts: Counts,
 }
 
 #[derive(Serialize)]
@@ -94,7 +92,7 @@ impl Record {
         writeln!(truth, "x,y,z,hole,border").map_err(|e| io_error(&truth_path, e))?;
         let holes = maker.plan().holes.len();
         let (pieces, lost) = (vec![BTreeMap::new(); holes], vec![0; holes]);
-        Ok(Self { truth_path, truth, cells: Vec::new(), pieces, lost, counts: Counts::new() })
+        Ok(Self { truth_path, truth, cells: Vec::new(), pieces, lost })
     }
 
     /// Adds a finished cell whose file has so many bytes (0: no file).
@@ -104,7 +102,6 @@ impl Record {
         let (vertices, triangles) = (scene.tile.vertices.len(), scene.tile.triangles.len());
         self.cells.push(CellRecord { i, j, tile, vertices, triangles, bytes });
         for piece in &scene.pieces {
-            *self.counts.entry(piece.class).or_default() += 1;
             let area = piece.doubled_area as f64 / 2.0 / (UNITS_PER_M * UNITS_PER_M);
             let record = PieceRecord { triangles: piece.triangles, area, class: Some(piece.class) };
             self.pieces[piece.hole as usize].insert([i, j], record);
@@ -116,21 +113,13 @@ impl Record {
         Ok(())
     }
 
-    /// Writes `scene.json` and returns the summary.
-    pub(crate) fn finish(mut self, maker: &Maker, out: &Path) -> Result<Summary, MakeError> {
+    /// Writes `scene.json`.
+    pub(crate) fn finish(mut self, maker: &Maker, summary: &Summary, out: &Path) -> Result<(), MakeError> {
         self.truth.flush().map_err(|e| io_error(&self.truth_path, e))?;
         self.cells.sort_by_key(|c| [c.j, c.i]);
-        let summary = Summary {
-            tiles: self.cells.iter().filter(|c| c.tile.is_some()).count(),
-            cells: self.cells.len(),
-            triangles: self.cells.iter().map(|c| c.triangles as u64).sum(),
-            bytes: self.cells.iter().map(|c| c.bytes).sum(),
-            counts: self.counts.clone(),
-        };
         let path = out.join("scene.json");
         let file = BufWriter::new(File::create(&path).map_err(|e| io_error(&path, e))?);
-        serde_json::to_writer(file, &self.scene(maker, &summary)).map_err(|e| io_error(&path, e.into()))?;
-        Ok(summary)
+        serde_json::to_writer(file, &self.scene(maker, summary)).map_err(|e| io_error(&path, e.into()))
     }
 
     fn scene<'a>(&'a self, maker: &'a Maker, summary: &Summary) -> SceneRecord<'a> {

@@ -28,11 +28,17 @@ fn presets_hold_their_counts_for_every_seed() {
     let small = vec![(Class::Closed, 2), (A, 1), (B, 5), (C, 1), (D, 1), (EDGE_B, 1)];
     let demo = vec![(Class::Closed, 4), (A, 2), (B, 10), (C, 3), (D, 1), (EDGE_B, 1)];
     let city = vec![(Class::Closed, 56), (A, 17), (B, 43), (C, 4), (D, 3), (EDGE_B, 5), (EDGE_D, 1)];
+    let b = vec![(Class::Closed, 16), (A, 4), (B, 17), (D, 1), (EDGE_B, 2)];
+    let b_added = vec![(Class::Closed, 20), (A, 5), (B, 20), (C, 4), (D, 4), (EDGE_B, 2)];
+    let growing = vec![(Class::Closed, 4), (B, 7), (D, 1)];
     let presets = [
         (Preset::Small, 2_000, 9, small),
         (Preset::Demo, 4_000, 30, demo),
         (Preset::City, 2_000, 449, city),
         (Preset::A, 4_000, 4, vec![(B, 4), (EDGE_B, 1)]),
+        (Preset::B, 4_000, 32, b),
+        (Preset::BAdded, 4_000, 32, b_added),
+        (Preset::Growing, 4_000, 8, growing),
     ];
     for (preset, triangles, cells, counts) in presets {
         for seed in 1..=5 {
@@ -378,4 +384,24 @@ fn files_below(folder: &Path) -> Vec<String> {
     }
     names.sort();
     names
+}
+
+#[test]
+fn tiles_alone_are_those_of_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, alone) = (folder.path().join("whole"), folder.path().join("alone"));
+    let scene = maker(options(Preset::Small, 2_000, 2));
+    let summary = make(&scene, &whole).unwrap();
+    assert_eq!(scene::make::make_tiles(&scene, &alone).unwrap(), summary);
+    let mut tiles = 0;
+    for entry in std::fs::read_dir(&alone).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let file = Path::new(&name).join(&name).with_extension("ply");
+        assert!(
+            std::fs::read(alone.join(&file)).unwrap() == std::fs::read(whole.join(&file)).unwrap(),
+            "{name}"
+        );
+        tiles += 1;
+    }
+    assert_eq!(tiles, summary.tiles);
 }
