@@ -59,10 +59,16 @@ pub fn cpu_seconds() -> Option<f64> {
         let status = unsafe { libc::getrusage(libc::RUSAGE_SELF, usage.as_mut_ptr()) };
         // SAFETY: `rusage` is numbers only, for which the zeroes it was made of are valid even if the call failed.
         let usage = unsafe { usage.assume_init() };
-        (status == 0).then(|| seconds(usage.ru_utime) + seconds(usage.ru_stime))
+        (status == 0).then(|| cpu_of(&usage))
     }
     #[cfg(not(unix))]
     None
+}
+
+/// User and system time together, seconds.
+#[cfg(unix)]
+pub(crate) fn cpu_of(usage: &libc::rusage) -> f64 {
+    seconds(usage.ru_utime) + seconds(usage.ru_stime)
 }
 
 #[cfg(unix)]
