@@ -33,8 +33,7 @@ pub enum Command {
     Repair(Box<RepairArgs>),
     /// Prove the promises on what was written
     Verify(VerifyArgs),
-    /// Compare with aggregate-then-fill (not in this version).
-    #[command(hide = true)]
+    /// Measure time, memory and success of the methods on made scenes
     Bench(BenchArgs),
 }
 
@@ -288,7 +287,16 @@ pub struct VerifyArgs {
 /// Arguments of `bench`.
 #[derive(Debug, Clone, Args)]
 pub struct BenchArgs {
-    /// Whatever follows.
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
-    pub rest: Vec<String>,
+    /// What to measure, such as configs/bench-small.ron
+    #[arg(value_name = "CONFIG.ron")]
+    pub config: PathBuf,
+    /// Where scenes, tables (bench.md, bench.json) and pictures go; scenes that are there are used again
+    #[arg(long, value_name = "DIR", default_value = "bench-out")]
+    pub out: PathBuf,
+    /// Fail (exit code 1) if memory, or time relative to a copy, is more than a third above this earlier bench.json
+    #[arg(long, value_name = "BASELINE.json")]
+    pub check: Option<PathBuf>,
+    /// Make one scene and end: how the bench starts itself.
+    #[arg(long, hide = true)]
+    pub make: Option<String>,
 }

@@ -2,6 +2,7 @@
 //!
 //! The library behind the command line: configuration, the pipeline (scan, plan, close, fill, seams, write), report.
 
+pub mod bench;
 pub mod cli;
 pub mod config;
 mod exit;

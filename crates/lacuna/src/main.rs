@@ -1,7 +1,8 @@
 //! The command line: reads the flags, runs the verb, prints its result on stdout and problems on stderr.
 
 use clap::Parser;
-use lacuna::cli::{Cli, Command, VerifyArgs};
+use lacuna::bench::BenchOptions;
+use lacuna::cli::{BenchArgs, Cli, Command, VerifyArgs};
 use lacuna::config::Settings;
 use lacuna::progress::Progress;
 use lacuna::{ExitCode, Interrupt, RunError, RunResult, VerifyOptions};
@@ -48,24 +49,25 @@ fn say(text: &str) -> Result<(), RunError> {
 
 /// Runs the verb.
 fn perform(cli: &Cli, progress: &Progress) -> Result<ExitCode, RunError> {
-    let settings = Settings::resolve(cli).map_err(|e| error(ExitCode::Usage, e.to_string()))?;
     let interrupt = Interrupt::on_signals()
         .map_err(|e| error(ExitCode::Failed, format!("the system refuses signal handlers: {e}")))?;
+    let settings = || Settings::resolve(cli).map_err(|e| error(ExitCode::Usage, e.to_string()));
     match &cli.command {
-        Command::Info(args) => info(&settings, args.json, &interrupt, progress),
+        Command::Info(args) => info(&settings()?, args.json, &interrupt, progress),
         Command::Inspect(args) => {
-            let result = lacuna::inspect(&settings, args.report.as_deref(), &interrupt, progress)?;
+            let result = lacuna::inspect(&settings()?, args.report.as_deref(), &interrupt, progress)?;
             let place = args.report.as_ref().map(|p| p.join("report.html").display().to_string());
             show(&result, &place.unwrap_or_default(), progress)
         }
         Command::Repair(_) => {
+            let settings = settings()?;
             let result = lacuna::repair(&settings, &interrupt, progress)?;
             let out = settings.scene.output.as_ref().filter(|_| !settings.run.dry_run);
             let place = out.map(|p| p.join("lacuna").join("report.html").display().to_string());
             show(&result, &place.unwrap_or_default(), progress)
         }
-        Command::Verify(args) => verify(args, &settings, &interrupt, progress),
-        Command::Bench(_) => Err(error(ExitCode::Usage, "bench is not in this version".to_owned())),
+        Command::Verify(args) => verify(args, &settings()?, &interrupt, progress),
+        Command::Bench(args) => bench(args, &interrupt, progress),
     }
 }
 
@@ -88,6 +90,19 @@ fn info(
         say(&info.to_text())?;
     }
     Ok(ExitCode::Done)
+}
+
+fn bench(args: &BenchArgs, interrupt: &Interrupt, progress: &Progress) -> Result<ExitCode, RunError> {
+    let options = BenchOptions {
+        config: args.config.clone(),
+        out: args.out.clone(),
+        baseline: args.check.clone(),
+        only_make: args.make.clone(),
+    };
+    let outcome = lacuna::bench::bench(&options, interrupt, progress)?;
+    say(&outcome.tables)?;
+    outcome.worsened.iter().for_each(|what| complain(&error(ExitCode::Failed, what.clone())));
+    Ok(outcome.exit)
 }
 
 fn verify(

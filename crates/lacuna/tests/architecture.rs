@@ -29,6 +29,7 @@ const EDGES: [(&str, &[&str]); 13] = [
             "lacuna-solve",
             "lacuna-system",
             "lacuna-tile",
+            "scene",
         ],
     ),
     ("scene", &[]),

@@ -382,7 +382,6 @@ fn what_is_not_in_this_version_says_so() {
     let scene = small();
     let out = scene.beside("out");
     repair(&scene, &out, &["--resume"]).ends(2).says("not in this version");
-    lacuna(["bench", "x"]).ends(2).says("not in this version");
     assert!(!out.exists());
     let help = lacuna(["repair", "--help"]).stdout;
     assert!(!help.contains("--resume") && help.contains("aggregate"), "{help}");

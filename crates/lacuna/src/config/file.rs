@@ -1,7 +1,7 @@
 //! The configuration file (RON): what stands in it, and errors that show the place.
 
 use super::error::{ConfigError, FileError};
-use super::keys;
+use super::keys::{self, Key};
 use super::memory::MemoryLimit;
 use super::settings::{
     ClosedFiller, External, FailOn, HoleClassFilter, HoleShapeFilter, MethodName, OpenFiller, Untouched,
@@ -10,7 +10,7 @@ use super::settings::{
 use super::water::{WaterIslands, WaterMode};
 use ron::error::{Error, SpannedError};
 use ron::extensions::Extensions;
-use serde::de::Error as _;
+use serde::de::{DeserializeOwned, Error as _};
 use serde::{Deserialize, Deserializer};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -162,12 +162,20 @@ impl ConfigFile {
 
     /// Reads a text; `path` stands in the errors.
     pub(crate) fn parse(text: &str, path: &Path) -> Result<Self, FileError> {
-        let options = ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
-        options.from_str(text).map_err(|error| explain(text, path, &error))
+        parse_ron(text, path, &keys::KEYS)
     }
 }
 
-fn version_one<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
+/// Reads RON of any kind; `path` stands in the errors, `keys` are all keys that the file may hold.
+///
+/// # Errors
+/// RON that is wrong; unknown keys and wrong values, with the place.
+pub(crate) fn parse_ron<T: DeserializeOwned>(text: &str, path: &Path, keys: &[Key]) -> Result<T, FileError> {
+    let options = ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
+    options.from_str(text).map_err(|error| explain(text, path, keys, &error))
+}
+
+pub(crate) fn version_one<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
     match u32::deserialize(deserializer)? {
         1 => Ok(1),
         other => Err(D::Error::custom(format!(
@@ -224,30 +232,30 @@ fn checked<'de, D: Deserializer<'de>>(
 }
 
 /// Turns the parser's error into one with the line, a caret, and what the key takes.
-fn explain(text: &str, path: &Path, error: &SpannedError) -> FileError {
+fn explain(text: &str, path: &Path, keys: &[Key], error: &SpannedError) -> FileError {
     let place = Place::of(text, error);
     let (what, help) = match &error.code {
         Error::NoSuchStructField { expected, found, .. } => {
-            (format!("unknown key `{}`", found.escape_debug()), Some(keys::advice(found, expected)))
+            (format!("unknown key `{}`", found.escape_debug()), Some(keys::advice(keys, found, expected)))
         }
         Error::MissingStructField { field, .. } => {
-            (format!("`{field}` is missing"), keys::meaning(field).map(|m| format!("`{field}` is {m}")))
+            (format!("`{field}` is missing"), keys::meaning(keys, field).map(|m| format!("`{field}` is {m}")))
         }
         Error::DuplicateStructField { field, .. } => (format!("`{field}` stands here twice"), None),
         Error::NoSuchEnumVariant { found, .. } => {
-            (format!("unknown word `{}`", found.escape_debug()), place.key_help())
+            (format!("unknown word `{}`", found.escape_debug()), place.key_help(keys))
         }
-        Error::Message(message) => (place.named(message), place.key_help()),
+        Error::Message(message) => (place.named(message), place.key_help(keys)),
         Error::ExpectedFloat | Error::ExpectedInteger => {
-            (place.named("expected a number, without quotes and without a unit"), place.key_help())
+            (place.named("expected a number, without quotes and without a unit"), place.key_help(keys))
         }
-        Error::ExpectedString => (place.named("expected a text in quotes"), place.key_help()),
+        Error::ExpectedString => (place.named("expected a text in quotes"), place.key_help(keys)),
         Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) => {
             let help = "a section stands in parentheses; the least file is (version: 1)";
             ("expected an opening parenthesis".to_owned(), Some(help.to_owned()))
         }
         Error::ExpectedComma if place.is_number_with_unit() => {
-            (place.named("a number stands alone; its unit is in the key's name"), place.key_help())
+            (place.named("a number stands alone; its unit is in the key's name"), place.key_help(keys))
         }
         Error::ExpectedComma | Error::ExpectedStructLikeEnd | Error::Eof => {
             ("expected a comma or a closing parenthesis".to_owned(), None)
@@ -256,7 +264,7 @@ fn explain(text: &str, path: &Path, error: &SpannedError) -> FileError {
             (format!("expected a key, found `{}`", found.escape_debug()), None)
         }
         Error::TrailingCharacters => ("nothing may stand behind the last parenthesis".to_owned(), None),
-        other => (place.named(&lower_first(&other.to_string())), place.key_help()),
+        other => (place.named(&lower_first(&other.to_string())), place.key_help(keys)),
     };
     FileError {
         path: path.to_owned(),
@@ -313,9 +321,9 @@ impl Place {
         self.key.as_ref().map_or_else(|| message.to_owned(), |key| format!("`{key}`: {message}"))
     }
 
-    fn key_help(&self) -> Option<String> {
+    fn key_help(&self, keys: &[Key]) -> Option<String> {
         let key = self.key.as_ref()?;
-        keys::meaning(key).map(|meaning| format!("`{key}` takes {meaning}"))
+        keys::meaning(keys, key).map(|meaning| format!("`{key}` takes {meaning}"))
     }
 }
 

@@ -11,7 +11,7 @@ pub(crate) struct Key {
     pub(crate) meaning: &'static str,
 }
 
-const fn key(section: &'static str, name: &'static str, meaning: &'static str) -> Key {
+pub(crate) const fn key(section: &'static str, name: &'static str, meaning: &'static str) -> Key {
     Key { section, name, meaning }
 }
 
@@ -78,35 +78,35 @@ const WATER: &str =
 /// Keys of the design that later versions bring.
 const LATER: [&str; 3] = ["facade", "gap", "solver"];
 
-/// What to say about a key that its section does not know.
+/// What to say about a key that its section does not know; `keys` are all keys of the file.
 ///
 /// `siblings` are the keys of the section. A key that exists elsewhere is sent there; a key of a later version is
 /// named as such; else the nearest sibling is proposed, with its unit.
-pub(crate) fn advice(unknown: &str, siblings: &[&str]) -> String {
+pub(crate) fn advice(keys: &[Key], unknown: &str, siblings: &[&str]) -> String {
     if LATER.contains(&unknown) {
         return format!("`{unknown}` is not in this version; leave it out");
     }
-    if let Some(elsewhere) = KEYS.iter().find(|k| k.name == unknown && !k.section.is_empty()) {
+    if let Some(elsewhere) = keys.iter().find(|k| k.name == unknown && !k.section.is_empty()) {
         return format!("`{unknown}` belongs into `{}`: {}", elsewhere.section, elsewhere.meaning);
     }
     match nearest(unknown, siblings) {
-        Some(name) => format!("did you mean `{name}`? It takes {}", meaning_among(name, siblings)),
+        Some(name) => format!("did you mean `{name}`? It takes {}", meaning_among(keys, name, siblings)),
         None => format!("known here: {}", siblings.join(", ")),
     }
 }
 
 /// What a key takes. Where two sections share a name, the one whose keys are `siblings` counts.
-fn meaning_among(name: &str, siblings: &[&str]) -> &'static str {
+fn meaning_among(keys: &[Key], name: &str, siblings: &[&str]) -> &'static str {
     let fits = |k: &&Key| {
         k.name == name
-            && KEYS.iter().filter(|other| other.section == k.section).all(|o| siblings.contains(&o.name))
+            && keys.iter().filter(|other| other.section == k.section).all(|o| siblings.contains(&o.name))
     };
-    KEYS.iter().find(fits).or_else(|| KEYS.iter().find(|k| k.name == name)).map_or("a value", |k| k.meaning)
+    keys.iter().find(fits).or_else(|| keys.iter().find(|k| k.name == name)).map_or("a value", |k| k.meaning)
 }
 
 /// What a key takes, if it is known.
-pub(crate) fn meaning(name: &str) -> Option<&'static str> {
-    KEYS.iter().find(|k| k.name == name).map(|k| k.meaning)
+pub(crate) fn meaning(keys: &[Key], name: &str) -> Option<&'static str> {
+    keys.iter().find(|k| k.name == name).map(|k| k.meaning)
 }
 
 /// The nearest name: fewest edits, where a name that begins with the unknown one (a unit was left out) is one edit

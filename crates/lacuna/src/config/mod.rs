@@ -10,7 +10,8 @@ mod settings;
 pub(crate) mod values;
 mod water;
 
-pub(crate) use keys::nearest;
+pub(crate) use file::{parse_ron, version_one};
+pub(crate) use keys::{Key, key, nearest};
 
 pub use error::{ConfigError, FileError};
 pub use memory::{Machine, MemoryLimit};

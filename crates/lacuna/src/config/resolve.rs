@@ -149,7 +149,11 @@ fn arguments(command: &Command) -> Result<Arguments, ConfigError> {
             run: verify.run.clone(),
             ..Arguments::default()
         },
-        Command::Bench(_) => return Err(not_built("the verb bench", None)),
+        Command::Bench(_) => {
+            return Err(ConfigError::Settings(
+                "bench has a configuration of its own and no settings".to_owned(),
+            ));
+        }
     })
 }
 
