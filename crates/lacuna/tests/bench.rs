@@ -173,7 +173,7 @@ fn configs() -> PathBuf {
 
 #[test]
 fn every_bench_of_the_repository_can_be_made() {
-    for name in ["bench.ron", "bench-small.ron"] {
+    for name in ["bench.ron", "bench-small.ron", "bench-guard.ron"] {
         let config = BenchConfig::read(&configs().join(name), &MACHINE).expect(name);
         for spec in config.series.iter().flat_map(|s| &s.scenes) {
             let options = MakeOptions {

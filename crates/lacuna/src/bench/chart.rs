@@ -6,6 +6,9 @@ use std::fmt::Write;
 const SIZE: [f64; 2] = [680.0, 360.0];
 const ROOM: [f64; 4] = [64.0, 24.0, 48.0, 52.0];
 
+/// A limit that is higher than so many times the highest point would press the curves flat.
+const FARTHEST_LIMIT: f64 = 4.0;
+
 /// How an axis counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scale {
@@ -37,7 +40,7 @@ pub(super) struct Chart<'a> {
     pub(super) scales: [Scale; 2],
     /// In the order of the legend.
     pub(super) curves: Vec<Curve>,
-    /// A dashed line at this height, with its name.
+    /// A level with its name: a dashed line, if it is not far above all points.
     pub(super) limit: Option<(&'a str, f64)>,
 }
 
@@ -49,6 +52,8 @@ const NAMED: [(&str, &str); 5] = [
     ("copy", "#57606a"),
     ("read", "#8c959f"),
 ];
+/// Dashes of the first, second ... curve of one colour: a method with several numbers of threads.
+const DASHES: [&str; 4] = ["none", "7 3", "3 3", "1 3"];
 const OTHERS: [&str; 3] = ["#1a7f37", "#8250df", "#bf3989"];
 
 impl Chart<'_> {
@@ -67,18 +72,14 @@ impl Chart<'_> {
         );
         self.draw_axes(&frame, &mut svg);
         if let Some((name, level)) = self.limit {
-            let y = frame.place(1, level);
-            let (x0, x1) = (ROOM[0], SIZE[0] - ROOM[1]);
-            let _ = writeln!(
-                svg,
-                "<path d=\"M{x0} {y:.1}H{x1}\" stroke=\"#24292f\" stroke-dasharray=\"5 4\"/>\n\
-                 <text x=\"{x1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-                y - 4.0,
-                escaped(name)
-            );
+            draw_limit(&frame, name, level, &mut svg);
         }
         for (k, curve) in self.curves.iter().enumerate() {
-            draw_curve(&frame, curve, k, &mut svg);
+            let colour = colour(curve, k);
+            let same =
+                self.curves[..k].iter().enumerate().filter(|(i, c)| self::colour(c, *i) == colour).count();
+            let pen = Pen { colour, dashes: DASHES[same.min(DASHES.len() - 1)] };
+            draw_curve(&frame, curve, k, &pen, &mut svg);
         }
         svg.push_str("</svg>\n");
         Some(svg)
@@ -117,9 +118,37 @@ impl Chart<'_> {
     }
 }
 
-fn draw_curve(frame: &Frame, curve: &Curve, k: usize, svg: &mut String) {
+/// A dashed line, or a note above the picture where the limit is far beyond what is drawn.
+fn draw_limit(frame: &Frame, name: &str, level: f64, svg: &mut String) {
+    let (x0, x1) = (ROOM[0], SIZE[0] - ROOM[1]);
+    let is_inside = frame.count(1, level) <= frame.high[1];
+    let (y, text) = if is_inside {
+        let y = frame.place(1, level);
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{x0} {y:.1}H{x1}\" class=\"limit\" stroke=\"#24292f\" stroke-dasharray=\"5 4\"/>"
+        );
+        (y - 4.0, escaped(name))
+    } else {
+        (ROOM[2] - 8.0, format!("{}: {}, beyond this picture", escaped(name), number(level)))
+    };
+    let _ = writeln!(svg, "<text x=\"{x1}\" y=\"{y:.1}\" text-anchor=\"end\">{text}</text>");
+}
+
+/// The colour of the curve at place `k` of the legend.
+fn colour(curve: &Curve, k: usize) -> &'static str {
     let named = NAMED.iter().find(|n| curve.name.starts_with(n.0)).map(|n| n.1);
-    let colour = named.unwrap_or(OTHERS[k % OTHERS.len()]);
+    named.unwrap_or(OTHERS[k % OTHERS.len()])
+}
+
+/// How a curve is drawn.
+struct Pen {
+    colour: &'static str,
+    dashes: &'static str,
+}
+
+fn draw_curve(frame: &Frame, curve: &Curve, k: usize, pen: &Pen, svg: &mut String) {
+    let Pen { colour, dashes } = pen;
     let places: Vec<[f64; 2]> = curve
         .points
         .iter()
@@ -130,7 +159,7 @@ fn draw_curve(frame: &Frame, curve: &Curve, k: usize, svg: &mut String) {
     if !corners.is_empty() {
         let _ = writeln!(
             svg,
-            "<path d=\"M{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.5\"/>",
+            "<path d=\"M{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.5\" stroke-dasharray=\"{dashes}\"/>",
             corners.join("L")
         );
     }
@@ -152,10 +181,11 @@ struct Frame {
 
 impl Frame {
     fn of(chart: &Chart<'_>) -> Option<Self> {
-        let level = chart.limit.map(|(_, y)| y);
         let mut frame = Self { scales: chart.scales, low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
         let points: Vec<[f64; 2]> =
             chart.curves.iter().flat_map(|c| c.points.iter().copied()).filter(|p| frame.shows(*p)).collect();
+        let most = points.iter().map(|p| p[1]).fold(0.0, f64::max);
+        let level = chart.limit.map(|(_, y)| y).filter(|y| *y <= FARTHEST_LIMIT * most);
         for axis in 0..2 {
             let values = points.iter().map(|p| p[axis]).chain(level.filter(|_| axis == 1));
             for value in values {
@@ -237,13 +267,24 @@ mod tests {
     fn ticks_are_round_and_inside() {
         for (scale, high, expected) in [
             (Scale::Linear, 10.0, vec![0.0, 2.0, 4.0, 6.0, 8.0, 10.0]),
-            (Scale::Linear, 0.7, vec![0.0, 0.2, 0.4, 0.6]),
+            (Scale::Linear, 7.0, vec![0.0, 2.0, 4.0, 6.0]),
             (Scale::Logarithmic, 30.0, vec![1.0, 2.0, 5.0, 10.0, 20.0]),
         ] {
             let frame = Frame::of(&chart(scale, &[[1.0, 1.0], [high, high]])).expect("points");
             let ticks = frame.ticks(0);
             let is_near = ticks.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-9);
             assert!(ticks.len() == expected.len() && is_near, "{ticks:?}");
+        }
+    }
+
+    #[test]
+    fn a_limit_is_a_line_where_it_is_near_and_a_note_where_it_is_far() {
+        for (level, is_line) in [(5.0, true), (40.0, true), (41.0, false)] {
+            let limited =
+                Chart { limit: Some(("limit", level)), ..chart(Scale::Linear, &[[0.0, 1.0], [1.0, 10.0]]) };
+            let svg = limited.to_svg().expect("a picture");
+            assert_eq!(svg.contains("class=\"limit\""), is_line, "{level}");
+            assert_eq!(svg.contains("limit: 41, beyond"), !is_line, "{level}");
         }
     }
 

@@ -14,6 +14,9 @@ const SAMPLING: [Duration; 2] = [Duration::from_millis(4), Duration::from_millis
 /// Most samples that are kept of a run; of neighbours that are joined the higher one stays.
 const MOST_SAMPLES: usize = 1000;
 
+/// The kernel counts resident pages in batches: two figures of one process may differ by this much.
+const INEXACT_BYTES: u64 = 1 << 20;
+
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
@@ -48,8 +51,6 @@ pub(super) fn measure(
 ) -> Result<Measurement, RunError> {
     let program = command.get_program().to_string_lossy().into_owned();
     let failed = |e: std::io::Error| RunError::failed(format!("{program}: cannot be run: {e}"));
-    // What this process had resident before counts in the child's figure of the system.
-    let own_peak_bytes = peak_rss_bytes().unwrap_or(u64::MAX);
     let before = transferred_bytes();
     let start = Instant::now();
     let mut child = WatchedChild::spawn(command).map_err(&failed)?;
@@ -75,6 +76,8 @@ pub(super) fn measure(
         std::thread::sleep(TICK);
     };
     let moved = before.zip(transferred_bytes());
+    // The system counts in what this process itself had resident when it started the child.
+    let own_peak_bytes = peak_rss_bytes().map_or(u64::MAX, |bytes| bytes + INEXACT_BYTES);
     let told = usage.peak_rss_bytes.filter(|&bytes| bytes > own_peak_bytes);
     Ok(Measurement {
         end: stopped.unwrap_or(End::Exit(usage.status.code())),

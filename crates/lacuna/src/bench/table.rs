@@ -63,9 +63,15 @@ fn time(row: &Row) -> String {
     }
 }
 
-/// Filled of the holes that the tiles show, by kind; nothing for scenes of copies alone.
+/// Filled of the holes that the tiles show, by kind, once a method: what is filled does not depend on the threads.
+/// Nothing for series without repairs.
 fn successes(text: &mut String, result: &BenchResult, rows: &[&Row]) {
-    let repairs: Vec<&&Row> = rows.iter().filter(|r| r.memory_limit_bytes.is_some()).collect();
+    let mut repairs: Vec<&Row> = Vec::new();
+    for row in rows.iter().filter(|r| r.memory_limit_bytes.is_some()) {
+        if !repairs.iter().any(|r| r.scene == row.scene && r.method == row.method) {
+            repairs.push(row);
+        }
+    }
     let kinds: Vec<&str> = HoleKind::ALL
         .iter()
         .map(|k| k.key())
@@ -75,11 +81,11 @@ fn successes(text: &mut String, result: &BenchResult, rows: &[&Row]) {
         return;
     }
     let _ = writeln!(text, "\nFilled, of the holes that the tiles show (one a cell):\n");
-    let _ = writeln!(text, "| km2 | method | threads | {} | all |", kinds.join(" | "));
-    let _ = writeln!(text, "| {}--- |", "--- | ".repeat(kinds.len() + 3));
+    let _ = writeln!(text, "| km2 | method | {} | all |", kinds.join(" | "));
+    let _ = writeln!(text, "| {}--- |", "--- | ".repeat(kinds.len() + 2));
     for row in repairs {
         let Some(scene) = result.scene_of(row) else { continue };
-        let mut cells = vec![plain(scene.area_km2, 2), row.method.clone(), row.threads.to_string()];
+        let mut cells = vec![plain(scene.area_km2, 2), row.method.clone()];
         cells.extend(kinds.iter().map(|kind| share(row, scene, &[kind])));
         cells.push(share(row, scene, &kinds));
         let _ = writeln!(text, "| {} |", cells.join(" | "));
