@@ -1,6 +1,6 @@
 //! Connected components of a mesh.
 
-use crate::{Boundary, Bounds, FaceId, TriMesh};
+use crate::{Boundary, FaceId, TriMesh};
 use serde::{Deserialize, Serialize};
 
 /// Label of a vertex that no triangle uses.
@@ -13,11 +13,13 @@ pub struct Component {
     pub first_face: FaceId,
     /// How many triangles it has.
     pub triangles: usize,
-    /// Sum of their areas in space, square metres.
+    /// Sum of their areas in space, square metres; of a component of [`SMALL_TRIANGLES`] or more, where nobody takes it for
+    /// debris, infinite: adding it up would read every position.
     pub area_m2: f64,
-    /// Box of their corners, metres.
-    pub bounds: Bounds,
 }
+
+/// From this many triangles on a component's area is not added up.
+pub const SMALL_TRIANGLES: usize = 64;
 
 /// The components of a mesh, numbered by smallest triangle.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,41 +46,54 @@ impl Components {
 /// have an unbalanced edge and stand in the list. Two closed sheets that only touch in a place, each with vertices of
 /// its own, stay two components. Triangles with a corner that is not finite, or two corners at one place, are ignored:
 /// they join nothing and are not counted. Areas are summed in the order of triangles. Takes O(n) in practice (union-find with
-/// path halving), 4 bytes a vertex.
+/// path halving), 8 bytes a vertex.
 ///
 /// Source: algorithm note, section A.4.
 #[must_use]
 pub fn components(mesh: &TriMesh, boundary: &Boundary) -> Components {
-    let mut parents = join_vertices(mesh, boundary);
-    let mut number_of_root = vec![NONE; parents.len()];
+    let roots = joined_vertices(mesh, boundary);
+    let is_counted = counted(mesh, boundary);
+    let mut number_of_root = vec![NONE; roots.len()];
     let mut list: Vec<Component> = Vec::new();
-    for (face, &triangle) in mesh.triangles.iter().enumerate() {
-        if !is_counted(mesh, face) {
-            continue;
+    for (face, triangle) in mesh.triangles.iter().enumerate().filter(|(face, _)| is_counted(*face)) {
+        let number = &mut number_of_root[roots[triangle[0] as usize] as usize];
+        if *number == NONE {
+            *number = list.len() as u32;
+            list.push(Component { first_face: FaceId(face as u32), triangles: 0, area_m2: 0.0 });
         }
-        let root = root(&mut parents, triangle[0]) as usize;
-        if number_of_root[root] == NONE {
-            number_of_root[root] = list.len() as u32;
-            list.push(Component::starting_at(FaceId(face as u32)));
-        }
-        list[number_of_root[root] as usize].add(mesh, face);
+        list[*number as usize].triangles += 1;
     }
-    let vertices = 0..parents.len() as u32;
-    let vertex_component = vertices.map(|v| number_of_root[root(&mut parents, v) as usize]).collect();
+    let vertex_component: Vec<u32> = roots.iter().map(|&root| number_of_root[root as usize]).collect();
+    add_areas(mesh, &vertex_component, is_counted, &mut list);
     Components { list, vertex_component }
 }
 
-impl Component {
-    fn starting_at(first_face: FaceId) -> Self {
-        Self { first_face, triangles: 0, area_m2: 0.0, bounds: Bounds::EMPTY }
+/// Adds up the areas of small components.
+fn add_areas(
+    mesh: &TriMesh,
+    vertex_component: &[u32],
+    is_counted: impl Fn(usize) -> bool,
+    list: &mut [Component],
+) {
+    let is_small = |c: &Component| c.triangles < SMALL_TRIANGLES;
+    list.iter_mut().filter(|c| !is_small(c)).for_each(|c| c.area_m2 = f64::INFINITY);
+    if !list.iter().any(is_small) {
+        return;
     }
+    for (face, triangle) in mesh.triangles.iter().enumerate() {
+        let component = list.get_mut(vertex_component[triangle[0] as usize] as usize);
+        if let Some(component) = component.filter(|c| is_small(c) && is_counted(face)) {
+            let [a, b, c] = mesh.corners(face);
+            component.area_m2 += (b - a).cross(c - a).length() / 2.0;
+        }
+    }
+}
 
-    fn add(&mut self, mesh: &TriMesh, face: usize) {
-        let [a, b, c] = mesh.corners(face);
-        self.triangles += 1;
-        self.area_m2 += (b - a).cross(c - a).length() / 2.0;
-        [a, b, c].into_iter().for_each(|p| self.bounds.add(p));
-    }
+/// What tells if a triangle counts. Reading every corner's position is what would cost most here: only where the boundary
+/// ignored some does it do so.
+fn counted<'a>(mesh: &'a TriMesh, boundary: &Boundary) -> impl Fn(usize) -> bool + Copy + 'a {
+    let may_be_ignored = boundary.defects.non_finite + boundary.defects.degenerate > 0;
+    move |face| !may_be_ignored || is_counted(mesh, face)
 }
 
 /// True unless the boundary ignores the triangle too: a corner is not finite, or two are at the same place.
@@ -88,19 +103,22 @@ fn is_counted(mesh: &TriMesh, face: usize) -> bool {
     a.is_finite() && b.is_finite() && c.is_finite() && a != b && b != c && c != a
 }
 
-/// Union-find over the vertices; the smallest vertex of a component becomes its root.
-fn join_vertices(mesh: &TriMesh, boundary: &Boundary) -> Vec<u32> {
+/// Union-find over the vertices: for each the smallest vertex of its component.
+fn joined_vertices(mesh: &TriMesh, boundary: &Boundary) -> Vec<u32> {
+    let is_counted = counted(mesh, boundary);
     let mut parents: Vec<u32> = (0..mesh.positions.len() as u32).collect();
-    // Reading every corner's position is what would cost most here.
-    let may_be_ignored = boundary.defects.non_finite + boundary.defects.degenerate > 0;
     for (face, &[a, b, c]) in mesh.triangles.iter().enumerate() {
-        if !may_be_ignored || is_counted(mesh, face) {
+        if is_counted(face) {
             join(&mut parents, a, b);
             join(&mut parents, b, c);
         }
     }
     for [copy, representative] in &boundary.copies {
         join(&mut parents, copy.0, representative.0);
+    }
+    // No parent is larger than its vertex.
+    for v in 0..parents.len() {
+        parents[v] = parents[parents[v] as usize];
     }
     parents
 }

@@ -22,7 +22,7 @@ mod turn;
 pub use band::{Band, BandVertex, band};
 pub use boundary::{Boundary, BoundaryEdge, BoundaryKind, BoundaryPoint, Defects, boundary};
 pub use check::{PatchDefect, PatchFacts, PlanView, check_patch};
-pub use components::{Component, Components, components};
+pub use components::{Component, Components, SMALL_TRIANGLES, components};
 pub use contour::{Contour, ContourEdge, ContourRing, ContourVertex, EdgeKind, Patch, Support};
 pub use cotangent::{Clamp, Stiffness, stiffness, stiffness_in_space};
 pub use fans::{Fans, closed_fans};

@@ -243,21 +243,27 @@ impl Faces {
         if !is_plain {
             return Ok(0);
         }
-        let mut row = 0;
         let wanted = usize::try_from(element.count).unwrap_or(usize::MAX);
-        for bytes in cursor.rest().chunks_exact(13).take(wanted) {
-            if bytes[0] != 3 {
-                break;
-            }
-            let triangle = [1, 5, 9].map(|o| u32::from_le_bytes(word(&bytes[o..])));
-            if triangle.iter().any(|&v| u64::from(v) >= self.vertex_count) {
-                return Err(self.out_of_range(triangle, Place::Row { element: element.name.clone(), row }));
-            }
-            self.triangles.push(triangle);
-            row += 1;
+        let rows = cursor.rest().chunks_exact(13).take(wanted).take_while(|bytes| bytes[0] == 3);
+        let triangle = |bytes: &[u8]| [1, 5, 9].map(|o| u32::from_le_bytes(word(&bytes[o..])));
+        let first = self.triangles.len();
+        // One test for all: the largest index.
+        let mut largest = 0;
+        self.triangles.extend(rows.map(|bytes| {
+            let [a, b, c] = triangle(bytes);
+            largest = largest.max(a).max(b).max(c);
+            [a, b, c]
+        }));
+        let read = &self.triangles[first..];
+        if u64::from(largest) >= self.vertex_count
+            && let Some(row) = read.iter().position(|t| t.iter().any(|&v| u64::from(v) >= self.vertex_count))
+        {
+            let place = Place::Row { element: element.name.clone(), row: row as u64 };
+            return Err(self.out_of_range(read[row], place));
         }
-        cursor.seek(cursor.offset() + 13 * row as usize);
-        Ok(row)
+        let rows = read.len();
+        cursor.seek(cursor.offset() + 13 * rows);
+        Ok(rows as u64)
     }
 
     fn add_face(

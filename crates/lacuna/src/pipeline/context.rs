@@ -34,6 +34,8 @@ pub(crate) struct Context<'a> {
     pub(crate) interrupt: &'a Interrupt,
     pub(crate) progress: &'a Progress,
     pub(crate) read_options: ReadOptions,
+    /// True if tiles are drawn while they are in memory, for the pictures of a report.
+    pub(crate) draws: bool,
     /// What the last budget stood beside.
     held_bytes: AtomicU64,
     /// The most that any stage needs for one tile, as far as headers tell.
@@ -56,6 +58,7 @@ impl<'a> Context<'a> {
             progress,
             held_bytes: AtomicU64::new(BASE_BYTES),
             tile_bytes: AtomicU64::new(0),
+            draws: true,
             read_options: ReadOptions {
                 up_axis: settings.scene.up_axis.map(|a| match a {
                     crate::config::UpAxis::Y => UpAxis::Y,
@@ -65,6 +68,21 @@ impl<'a> Context<'a> {
                 ..ReadOptions::default()
             },
         })
+    }
+
+    /// The context of a run that writes no tile, so that nobody asks what was in them; `draws` if a report shows them.
+    pub(crate) fn only_looking(mut self, draws: bool) -> Self {
+        self.read_options.skip_hash = true;
+        self.draws = draws;
+        self
+    }
+
+    /// Gives freed memory back where the limit is near: what a tile leaves free the next one takes without a page fault.
+    pub(crate) fn trim_if_tight(&self) {
+        let resident = lacuna_system::current_rss_bytes().unwrap_or(u64::MAX);
+        if resident > self.settings.run.memory_limit_bytes / 2 {
+            lacuna_system::trim();
+        }
     }
 
     /// What the limit leaves beside what is in memory now and `kept_bytes` that a stage will keep.

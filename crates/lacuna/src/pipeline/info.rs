@@ -61,7 +61,7 @@ pub struct SceneInfo {
 /// # Errors
 /// Unreadable scene, unusable settings, a memory limit too small for a tile, or a stop.
 pub fn info(settings: &Settings, interrupt: &Interrupt, progress: &Progress) -> Result<SceneInfo, RunError> {
-    let context = Context::new(settings, interrupt, progress)?;
+    let context = Context::new(settings, interrupt, progress)?.only_looking(false);
     let scene = open_scene(&settings.scene.input, &SceneOptions { follow_symlinks: !settings.run.untrusted })
         .map_err(super::run::scene_error)?;
     let scanned = Stages::default().measure("scan", || scan(&scene, &context))?;

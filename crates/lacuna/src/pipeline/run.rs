@@ -72,7 +72,7 @@ pub fn inspect(
     if let Some(folder) = report {
         out_dir::refuse_nesting(&settings.scene.input, folder)?;
     }
-    let context = Context::new(settings, interrupt, progress)?;
+    let context = Context::new(settings, interrupt, progress)?.only_looking(report.is_some());
     let mut stages = Stages::default();
     let mut planned = scan_and_plan(&context, &mut stages)?;
     for decision in &mut planned.decisions {
@@ -398,10 +398,12 @@ fn finish(
     };
     let written = (0..outcomes.len() as u32).filter(|&h| is_filled(h)).collect();
     let mut drawing = drawing(plan, &planned.scanned, &planned.names, &outcomes);
-    let scanned = &planned.scanned;
-    let (before, after) = scene_rasters(&scanned.previews, &scanned.bounds, fills, &written);
-    drawing.before = Some(before);
-    drawing.after = Some(after);
+    if context.draws {
+        let scanned = &planned.scanned;
+        let (before, after) = scene_rasters(&scanned.previews, &scanned.bounds, fills, &written);
+        drawing.before = Some(before);
+        drawing.after = Some(after);
+    }
     let exit = exit_code(&report, settings.run.fail_on, !ending.refused.is_empty());
     RunResult { report, drawing, exit }
 }

@@ -61,7 +61,7 @@ pub(crate) struct Scanned {
 /// One tile as the workers return it; its cell is not known yet.
 struct ScannedTile {
     survey: CellSurvey,
-    preview: HeightRaster,
+    preview: Option<HeightRaster>,
     parts: Vec<Part>,
     warnings: Vec<String>,
 }
@@ -132,9 +132,9 @@ fn scan_group(scene: &Scene, group: &TileGroup, context: &Context<'_>) -> Result
         ));
     }
     let survey = survey(CellId::new(0, 0), &mesh);
-    let preview = tile_preview(&mesh, &survey.bounds, scene.groups.len());
+    let preview = context.draws.then(|| tile_preview(&mesh, &survey.bounds, scene.groups.len()));
     drop(mesh);
-    lacuna_system::trim();
+    context.trim_if_tight();
     Ok(ScannedTile { survey, preview, parts, warnings })
 }
 
@@ -208,7 +208,7 @@ fn place(
         };
         let near = box_near_cell(&tile.survey.bounds, &grid.grid, cell);
         if near == tile.survey.bounds {
-            previews.push(tile.preview);
+            previews.extend(tile.preview);
         } else {
             let what = "vertices more than a cell past its cell do not count for the scene's box";
             defects.push(defect(name, what, false));

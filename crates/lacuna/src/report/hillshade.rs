@@ -75,7 +75,13 @@ impl HeightRaster {
 
     /// Adds triangles; indices out of range and corners that are not finite are passed over.
     pub fn add_triangles(&mut self, positions: &[DVec3], triangles: &[[u32; 3]]) {
-        for triangle in triangles {
+        // Between which centres a vertex lies: most triangles are smaller than a pixel and cover none.
+        let places: Vec<[i32; 2]> = positions.iter().map(|&p| self.frame.between_centres(p)).collect();
+        let covers_none = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|v| places.get(v as usize).copied().unwrap_or_default());
+            a[0] == b[0] && b[0] == c[0] || a[1] == b[1] && b[1] == c[1]
+        };
+        for triangle in triangles.iter().filter(|t| !covers_none(t)) {
             if let [Some(a), Some(b), Some(c)] = triangle.map(|v| positions.get(v as usize))
                 && a.is_finite()
                 && b.is_finite()
@@ -205,6 +211,12 @@ impl Frame {
     fn centre(&self, column: usize, row: usize) -> glam::DVec2 {
         let along = |index: usize| (index as f64 + 0.5) * self.pixel_m;
         glam::DVec2::new(self.west_m + along(column), self.north_m - along(row))
+    }
+
+    /// The column and the row whose centres lie next to a place, in the west of it and in the north.
+    fn between_centres(&self, p: DVec3) -> [i32; 2] {
+        let index = |distance_m: f64| (distance_m / self.pixel_m - 0.5).floor() as i32;
+        [index(p.x - self.west_m), index(self.north_m - p.y)]
     }
 
     /// Columns whose centres may lie between two x.
