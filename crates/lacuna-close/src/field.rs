@@ -158,7 +158,7 @@ pub fn raise_curves(plan: &Plan, field: &ClusterField, curves: &mut Curves) {
     for (joint, &z) in &field.joints {
         let height = match joint {
             Joint::Corner(corner) => curves.corners.get_mut(corner).map(|p| &mut p.z),
-            Joint::Square(p) => curves.squares.get_mut(&p.corner).map(|h| &mut h[usize::from(p.at)]),
+            Joint::Square(p) => curves.squares.get_mut(&p.corner).and_then(|h| h.get_mut(usize::from(p.at))),
             Joint::Closing(_) => None,
         };
         if let Some(height) = height {

@@ -71,7 +71,8 @@ pub fn fit_borders(surveys: &Surveys, grid: &Grid) -> BorderFit {
             margin_m,
             tolerance_m,
             gap_m: (2.0 * tolerance_m).max(0.5 * edge_m),
-            absorb_m: (3.0 * margin_m).max(0.5 * edge_m),
+            // A rim that cuts off a corner within a wide margin is no roughness.
+            absorb_m: (3.0 * margin_m).clamp(0.5 * edge_m, edge_m),
             edge_m,
         };
     }

@@ -33,17 +33,22 @@ pub struct ResidentMemory {
 }
 
 impl WatchedChild {
-    /// Starts a child.
+    /// Starts a child, on Unix as the head of a process group: what it starts itself ends with it.
     ///
     /// # Errors
     /// The program cannot be started.
     pub fn spawn(command: &mut Command) -> io::Result<Self> {
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(command, 0);
         Ok(Self { child: command.spawn()?, ended: None })
     }
 
     /// Resident memory now; `None` where there is no `/proc`, and once the child has ended.
     #[must_use]
     pub fn resident(&self) -> Option<ResidentMemory> {
+        if self.ended.is_some() {
+            return None;
+        }
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
         Some(ResidentMemory {
             now_bytes: kib_field(&status, "VmRSS")?,
@@ -62,14 +67,30 @@ impl WatchedChild {
         Ok(self.ended)
     }
 
-    /// Kills the child unless it has ended; [`WatchedChild::poll`] then tells its end soon.
+    /// Kills the child and all that it has started, unless it has ended; [`WatchedChild::poll`] then tells its end soon.
     ///
     /// # Errors
     /// The system refuses.
     pub fn kill(&mut self) -> io::Result<()> {
         // Once it was waited for, its number may belong to another process.
-        if self.ended.is_some() { Ok(()) } else { self.child.kill() }
+        if self.ended.is_some() { Ok(()) } else { kill_group(&mut self.child) }
     }
+}
+
+#[cfg(unix)]
+fn kill_group(child: &mut Child) -> io::Result<()> {
+    let id = libc::pid_t::try_from(child.id()).map_err(io::Error::other)?;
+    // SAFETY: takes two numbers. The group is the child's own: its head has not been waited for, so the number is not
+    // another's.
+    match unsafe { libc::killpg(id, libc::SIGKILL) } {
+        0 => Ok(()),
+        _ => Err(io::Error::last_os_error()),
+    }
+}
+
+#[cfg(not(unix))]
+fn kill_group(child: &mut Child) -> io::Result<()> {
+    child.kill()
 }
 
 #[cfg(unix)]

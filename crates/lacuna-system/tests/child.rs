@@ -24,6 +24,34 @@ fn end(child: &mut WatchedChild) -> ChildUsage {
     panic!("the child does not end");
 }
 
+/// A grandchild goes with its parent; one that nobody has waited for yet counts as gone.
+#[test]
+fn what_a_child_started_is_killed_with_it() {
+    let folder = tempfile::tempdir().expect("a folder for the test");
+    let note = folder.path().join("id");
+    let mut child =
+        shell(&format!("sleep 60 & echo $! > '{}.part' && mv '{0}.part' '{0}'; wait", note.display()));
+    let start = Instant::now();
+    let id = loop {
+        match std::fs::read_to_string(&note) {
+            Ok(id) => break id.trim().to_owned(),
+            Err(_) if start.elapsed() < Duration::from_secs(60) => {
+                std::thread::sleep(Duration::from_millis(5))
+            }
+            Err(e) => panic!("the child starts nothing: {e}"),
+        }
+    };
+    let is_gone =
+        || std::fs::read_to_string(format!("/proc/{id}/stat")).map_or(true, |stat| stat.contains(") Z "));
+    assert!(!is_gone(), "it sleeps");
+    child.kill().expect("a child of our own");
+    end(&mut child);
+    while !is_gone() {
+        assert!(start.elapsed() < Duration::from_secs(60), "it sleeps on");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
 /// One test, for what is read and written is counted for the whole process.
 #[test]
 fn a_child_is_what_it_was_told_to_be() {

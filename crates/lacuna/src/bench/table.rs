@@ -59,7 +59,7 @@ fn time(row: &Row) -> String {
             format!("{:.2} ({:.2} to {:.2})", wall.median, wall.least, wall.most)
         }
         RowOutcome::Done => format!("{:.2}", wall.median),
-        other => format!("{} after {:.2}", other.words(), wall.median),
+        other => format!("{} after {:.2}", other.words(), wall.most),
     }
 }
 
