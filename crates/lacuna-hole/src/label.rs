@@ -99,6 +99,11 @@ fn is_noise(
     let (Some(&first), Some(&last)) = (run.first(), run.last()) else { return false };
     let [start, end] = [survey.from(first), survey.to(last)].map(|p| before.along(p.truncate()));
     let is_narrow = before == after && (end - start).abs() <= fit.gap_m;
+    // Borders run clockwise; what runs back is the rim of a remnant of surface on the border.
+    let forward = if before.runs_upward() { start - end } else { end - start };
+    if before == after && forward < -fit.gap_m {
+        return false;
+    }
     // Teeth across the line are no rim however many there are.
     farthest <= fit.tolerance_m || farthest <= fit.absorb_m && (is_short || is_narrow)
 }
