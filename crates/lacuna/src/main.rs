@@ -30,9 +30,9 @@ fn main() -> std::process::ExitCode {
     exit.into()
 }
 
-#[allow(clippy::print_stderr, reason = "the command line prints")]
+/// Says what went wrong. Who has closed stderr does not want to know; the exit code tells all the same.
 fn complain(error: &RunError) {
-    eprintln!("lacuna: {error}");
+    let _ = writeln!(std::io::stderr(), "lacuna: {error}");
 }
 
 /// Writes to stdout. A reader that has closed the pipe wants no more: that is no error.

@@ -29,7 +29,8 @@ pub(crate) fn area(
             let b = &scanned.bounds;
             let (low, high) = (b.min.truncate(), b.max.truncate());
             refuse_too_many_cells(grid, low, high, "--area box: the box of all tiles", "give --area cells")?;
-            let inner = Area::of_box(&present, grid, low + margin_m, high - margin_m);
+            // Walls and fragments reach past the margin by a little.
+            let inner = Area::of_box(&present, grid, low + 2.0 * margin_m, high - 2.0 * margin_m);
             Ok(Area { cells: inner.cells, limit: GridLimit::Box(low, high) })
         }
         AreaLimit::Polygon(file) => {

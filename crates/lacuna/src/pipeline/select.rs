@@ -67,8 +67,9 @@ pub(crate) fn refuse_unmatched(
     places: &Places,
 ) -> Result<(), RunError> {
     let selection = &settings.selection;
-    let problem =
-        |what: String| Err(RunError::usage(format!("{what}; `lacuna inspect` lists what there is")));
+    let problem = |what: String| {
+        Err(RunError::usage(format!("{what}; `lacuna inspect SCENE --report DIR` lists what there is")))
+    };
     let unknown = |name: &&String| !tiles.contains(name.as_str());
     if let Some(name) = selection.cells.iter().flatten().find(unknown) {
         return problem(unknown_tile(name, tiles));
