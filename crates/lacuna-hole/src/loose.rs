@@ -7,7 +7,7 @@ use crate::shared::CellView;
 use crate::{BorderFit, Surveys};
 use glam::{DVec2, DVec3};
 use lacuna_grid::{Area, CellId, Grid, Side, SideLabel};
-use lacuna_mesh::{PointId, position_bits};
+use lacuna_mesh::{PointId, position_bits, side_of_line};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Tiles share their borders if at least this part of the edges on them is met by the neighbour's.
@@ -37,9 +37,10 @@ pub fn share_borders(surveys: &Surveys, grid: &Grid, area: &Area, fit: &BorderFi
 }
 
 /// True if a stub (the edge on which a patch of `owner` ends between two tiles that share no vertices) leaves a crack
-/// beside it: it runs rather along a border than across, and one of its ends lies beside an edge of the tile beyond, or a
-/// vertex of that tile beside it. `free` are edges that nothing meets, with their cells; those farther than `reach_m` from
-/// the stub do not count.
+/// beside it: it runs rather along a border than across, and one of its ends lies before an edge of the tile beyond, or a
+/// vertex of that tile before it. Before an edge is the side on which it has no surface; what lies behind one is covered by
+/// both tiles, and no crack. The stub has its patch on the left. `free` are edges that nothing meets, the missing surface on
+/// their left, with their cells; those farther than `reach_m` from the stub do not count.
 #[must_use]
 pub fn is_cracked_stub(stub: [DVec3; 2], owner: CellId, free: &[(CellId, [DVec3; 2])], reach_m: f64) -> bool {
     let [a, b] = stub.map(|p| p.truncate());
@@ -56,9 +57,11 @@ pub fn is_cracked_stub(stub: [DVec3; 2], owner: CellId, free: &[(CellId, [DVec3;
             let [from, to, at] = [from, to, p].map(|p| side.along(p));
             from.min(to) <= at && at <= from.max(to)
         };
-        let is_over =
-            |p: DVec2| theirs.iter().all(|f| !f.contains(&p)) && theirs.iter().any(|f| covers(*f, p));
-        let is_under = |p: DVec2| p != a && p != b && covers([a, b], p);
+        let is_before = |[from, to]: [DVec2; 2], p: DVec2| side_of_line(from, to, p) > 0.0;
+        let is_over = |p: DVec2| {
+            theirs.iter().all(|f| !f.contains(&p)) && theirs.iter().any(|f| covers(*f, p) && is_before(*f, p))
+        };
+        let is_under = |p: DVec2| p != a && p != b && covers([a, b], p) && is_before([b, a], p);
         is_over(a) || is_over(b) || theirs.iter().flatten().any(|&p| is_under(p))
     })
 }

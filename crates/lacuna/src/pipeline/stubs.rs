@@ -15,7 +15,7 @@ pub(super) struct Stubs<'a> {
     vertices: BTreeMap<Place, (CellId, DVec3)>,
     /// The cell whose outline has an edge.
     owners: BTreeMap<Edge, CellId>,
-    /// Boundary edges of the tiles that no patch meets.
+    /// Boundary edges of the tiles that no patch meets, the missing surface on their left.
     free: Vec<(CellId, [DVec3; 2])>,
     all: &'a Watertight<'a>,
 }

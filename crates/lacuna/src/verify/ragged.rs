@@ -65,7 +65,7 @@ fn key(from: DVec3, to: DVec3) -> [[u64; 3]; 2] {
 struct Stubs {
     /// Delivered vertices that are left on boundaries, and their cells.
     vertices: BTreeMap<[u64; 3], CellId>,
-    /// Edges that nothing meets, and their cells.
+    /// Edges that nothing meets, the missing surface on their left, and their cells.
     free: Vec<(CellId, [DVec3; 2])>,
     reach_m: f64,
 }
@@ -91,7 +91,8 @@ impl Stubs {
     }
 
     fn is_cracked(&self, cell: CellId, edge: &BorderEdge) -> bool {
-        is_cracked_stub([edge.from, edge.to], cell, &self.free, self.reach_m)
+        // A boundary edge has its patch on the right.
+        is_cracked_stub([edge.to, edge.from], cell, &self.free, self.reach_m)
     }
 }
 
@@ -130,16 +131,16 @@ mod tests {
     #[test]
     fn stubs_join_two_tiles_without_a_crack() {
         // The west tile ends north of y = 5, the east tile north of `end`; the stub belongs to the west tile's patch.
-        for (name, end, is_across, expected) in [
-            ("to where the other one ends", 4.0, false, 0),
-            ("beside the other one", 7.0, false, 1),
-            ("across the border", 5.2, true, 0),
+        for (name, end, width, expected) in [
+            ("to where the other one ends", 4.0, 0.2, 0),
+            ("beside the other one", 7.0, 0.2, 1),
+            ("over the other one", 7.0, -0.2, 0),
+            ("across the border", 5.2, 0.6, 0),
         ] {
-            let width = if is_across { 0.6 } else { 0.2 };
-            let west = border(&[(10.0, 1.0), (10.0, 5.0)], false);
+            let west = border(&[(10.0, 5.0), (10.0, 1.0)], false);
             let mut with_stub = west.clone();
-            with_stub.edges.extend(border(&[(10.0, 5.0), (10.0 + width, end)], true).edges);
-            let east = border(&[(10.0 + width, end), (10.0 + width, 1.0)], false);
+            with_stub.edges.extend(border(&[(10.0 + width, end), (10.0, 5.0)], true).edges);
+            let east = border(&[(10.0 + width, 1.0), (10.0 + width, end)], false);
             let cells = [(CellId::new(0, 0), with_stub), (CellId::new(1, 0), east)].into();
             let found = check_ragged(&cells, Some(3.0), |_, _| false).into_result(4, "", true);
             assert_eq!(found.offenders, expected, "{name}: {:?}", found.details);
