@@ -24,6 +24,7 @@ mod open_edges;
 mod outline;
 mod place;
 mod plan;
+mod rims;
 mod shared;
 mod stitch;
 mod strips;

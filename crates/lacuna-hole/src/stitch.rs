@@ -6,6 +6,7 @@ use crate::faces::{Cut, Face, Faces, Node, Step, faces};
 use crate::fit::BorderMode;
 use crate::open_edges::OpenEdges;
 use crate::plan::{Anchor, Curve, CurveKind, Hole, Leave, Piece, Span, corner_key};
+use crate::rims::{Rims, cell_of, edge_of};
 use crate::shared::{CellView, Shared, SidePiece};
 use crate::strips::add_strips;
 use crate::{BorderFit, HoleClass, HoleShape};
@@ -57,14 +58,14 @@ pub(crate) fn stitch(
     }
     cuts.extend(external_cuts(stitch, holes, &shared.curves, corners));
     let rims = Rims::new(&open, holes, stitch.views);
-    let mut walked = faces(&open, &cuts, rims.of_edge.keys().copied());
+    let mut walked = faces(&open, &cuts, rims.starts());
     for _ in 0..MOST_ROUNDS {
         let needless = needless_cuts(stitch.fit, &open, &cuts, &walked, &rims);
         if needless.is_empty() {
             break;
         }
         cuts = (0..cuts.len()).filter(|c| !needless.contains(c)).map(|c| cuts[c].clone()).collect();
-        walked = faces(&open, &cuts, rims.of_edge.keys().copied());
+        walked = faces(&open, &cuts, rims.starts());
     }
     let owners = owners(&open, &cuts, &walked, &rims, holes);
     let taken_up = taken_up(&open, &walked, &owners, holes, stitch.views);
@@ -86,74 +87,6 @@ fn remove(hole: usize, holes: &mut Vec<Hole>, shared: &mut Shared) {
     }
 }
 
-/// The open edges of rims.
-struct Rims {
-    /// The hole of each, if the plan has one.
-    of_edge: BTreeMap<usize, Option<usize>>,
-    /// The hole of a cell without any rim.
-    hollow: BTreeMap<CellId, usize>,
-}
-
-impl Rims {
-    fn new(open: &OpenEdges, holes: &[Hole], views: &BTreeMap<CellId, CellView<'_>>) -> Self {
-        let mut rims = Self { of_edge: BTreeMap::new(), hollow: BTreeMap::new() };
-        for (&cell, view) in views {
-            let edges = view.coverage.chains.iter().flat_map(|c| &c.edges);
-            rims.of_edge.extend(edges.filter_map(|&e| Some((open.find(cell, e)?, None))));
-        }
-        for (h, hole) in holes.iter().enumerate() {
-            let Some(view) = views.get(&hole.cell) else { continue };
-            let edges = hole.rim_edges(view.survey).filter_map(|e| open.find(hole.cell, e));
-            rims.of_edge.extend(edges.map(|e| (e, Some(h))));
-            if !hole.outer.iter().any(|p| matches!(p, Piece::Rim(_))) {
-                rims.hollow.insert(hole.cell, h);
-            }
-        }
-        rims
-    }
-
-    /// True if a face has an edge of its cell, or its cell has no surface.
-    fn has_own(&self, open: &OpenEdges, cell: CellId, face: &Face) -> bool {
-        self.hollow.contains_key(&cell)
-            || face.steps.iter().filter_map(edge_of).any(|e| open.list[e].cell() == Some(cell))
-    }
-
-    /// The holes of a face's cell whose rims it has, or the one of a cell without rims.
-    fn holes(&self, open: &OpenEdges, cell: CellId, face: &Face) -> BTreeSet<usize> {
-        let own = face.steps.iter().filter_map(edge_of).filter(|e| open.list[*e].cell() == Some(cell));
-        let holes: BTreeSet<usize> = own.filter_map(|e| *self.of_edge.get(&e)?).collect();
-        if holes.is_empty() { self.hollow.get(&cell).copied().into_iter().collect() } else { holes }
-    }
-}
-
-/// The cell of a face: that on whose side it sees its cuts, else that of its edges. `None` if they differ.
-fn cell_of(open: &OpenEdges, cuts: &[Cut], face: &Face) -> Option<CellId> {
-    let of_cuts: BTreeSet<CellId> = face
-        .steps
-        .iter()
-        .filter_map(|s| match s {
-            Step::Cut(c, way) => cuts[*c].cells[*way].map(|side| side.0),
-            Step::Edge(_) => None,
-        })
-        .collect();
-    let edges = || {
-        face.steps.iter().filter_map(|s| match s {
-            Step::Edge(e) => open.list[*e].cell(),
-            Step::Cut(..) => None,
-        })
-    };
-    match of_cuts.len() {
-        // Of several tiles the one that has most of the edges, then the first.
-        0 => {
-            let mut counts: BTreeMap<CellId, usize> = BTreeMap::new();
-            edges().for_each(|c| *counts.entry(c).or_default() += 1);
-            counts.into_iter().max_by(|a, b| a.1.cmp(&b.1).then(b.0.cmp(&a.0))).map(|c| c.0)
-        }
-        1 => of_cuts.first().copied(),
-        _ => None,
-    }
-}
-
 /// Cuts that only part a pocket from its neighbour: all that the pocket shares with the face beyond its longest cut.
 fn needless_cuts(
     fit: &BorderFit,
@@ -163,7 +96,8 @@ fn needless_cuts(
     rims: &Rims,
 ) -> BTreeSet<usize> {
     let pocket_m2 = POCKET_EDGES * fit.edge_m * fit.edge_m;
-    let has_own = |face: &Face| cell_of(open, cuts, face).is_some_and(|cell| rims.has_own(open, cell, face));
+    let has_own =
+        |face: &Face| cell_of(open, cuts, rims, face).is_some_and(|cell| rims.has_own(open, cell, face));
     let is_pocket: Vec<bool> =
         walked.list.iter().map(|f| f.area_m2.abs() <= pocket_m2 || !has_own(f)).collect();
     let beyond = |c: usize, way: usize| walked.of.get(&Step::Cut(c, 1 - way)).copied();
@@ -277,7 +211,9 @@ fn owners(
     let mut taken: BTreeSet<usize> = BTreeSet::new();
     for f in order {
         let face = &walked.list[f];
-        let Some(cell) = cell_of(open, cuts, face).filter(|&c| rims.has_own(open, c, face)) else { continue };
+        let Some(cell) = cell_of(open, cuts, rims, face).filter(|&c| rims.has_own(open, c, face)) else {
+            continue;
+        };
         let known = rims.holes(open, cell, face);
         let free = known.iter().copied().find(|h| !taken.contains(h));
         let hole = free.unwrap_or(holes.len());
@@ -359,13 +295,6 @@ fn taken_up(
         rim.peek().is_some() && rim.filter_map(|e| open.find(hole.cell, e)).all(in_hole)
     };
     (0..holes.len()).filter(|h| !with_face.contains(h)).filter(is_taken).collect()
-}
-
-fn edge_of(step: &Step) -> Option<usize> {
-    match step {
-        Step::Edge(e) => Some(*e),
-        Step::Cut(..) => None,
-    }
 }
 
 /// Gives every hole the outline of its face, and the plan the cuts as curves.
