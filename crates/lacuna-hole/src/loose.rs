@@ -1,8 +1,9 @@
 //! Ragged borders of tiles that share no vertices: each tile was cut and triangulated apart. What both delivered along a
 //! border stays as it is; stubs lead from where it ends in one tile to where it ends in the other.
 
+use crate::box_tree::BoxTree;
 use crate::label::border_side;
-use crate::open_edges::{OpenEdge, Place};
+use crate::open_edges::{OpenEdge, Place, flat_box};
 use crate::shared::CellView;
 use crate::{BorderFit, Surveys};
 use glam::{DVec2, DVec3};
@@ -14,7 +15,7 @@ use std::collections::{BTreeMap, BTreeSet};
 const SHARED_PART: f64 = 0.25;
 
 /// Stubs are at most so many median edges long: an edge along the border, and how far both tiles may stray.
-const LONGEST_STUB_EDGES: f64 = 4.0;
+pub(crate) const LONGEST_STUB_EDGES: f64 = 4.0;
 
 /// True if ragged tiles share the vertices along their borders: of the delivered edges that lie on a border between two
 /// tiles enough are met by one in the other direction, bit for bit. With no such edges nothing contradicts.
@@ -98,10 +99,13 @@ pub(crate) fn facing_edges(views: &BTreeMap<CellId, CellView<'_>>) -> Vec<(CellI
 pub(crate) fn stubs(open: &[OpenEdge], fit: &BorderFit) -> Vec<OpenEdge> {
     let [starts, ends] = loose_ends(open);
     let longest_m = LONGEST_STUB_EDGES * fit.edge_m;
+    let reach = DVec2::splat(longest_m);
+    let tree = BoxTree::new(starts.iter().map(|s| flat_box(s.place, s.place)));
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for (e, end) in ends.iter().enumerate() {
-        for (s, start) in starts.iter().enumerate().filter(|(_, s)| s.cell != end.cell) {
-            let length_m = end.place.distance(start.place);
+        let near = tree.touching(&flat_box(end.place - reach, end.place + reach));
+        for s in near.into_iter().filter(|&s| starts[s].cell != end.cell) {
+            let length_m = end.place.distance(starts[s].place);
             if length_m <= longest_m {
                 pairs.push((length_m, e, s));
             }

@@ -126,7 +126,7 @@ fn open_edge(view: &CellView<'_>, edge: u32, is_border: bool) -> OpenEdge {
 }
 
 /// A box in plan.
-fn flat_box(a: DVec2, b: DVec2) -> Bounds {
+pub(crate) fn flat_box(a: DVec2, b: DVec2) -> Bounds {
     Bounds { min: a.min(b).extend(0.0), max: a.max(b).extend(0.0) }
 }
 
