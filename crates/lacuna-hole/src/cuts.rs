@@ -2,6 +2,7 @@
 
 use crate::BorderFit;
 use crate::faces::{Cut, Node};
+use crate::loose::LONGEST_STUB_EDGES;
 use crate::open_edges::{OpenEdge, OpenEdges};
 use crate::plan::{Anchor, Curve, CurveKind};
 use crate::shared::{CellView, SidePiece};
@@ -60,7 +61,7 @@ pub(crate) fn border_cuts(
             let near = opened.get(&(cell, side)).map_or(&[][..], Vec::as_slice);
             let slack_m = 3.0 * fit.edge_m;
             let both = both_open(near, cell);
-            let stretches = stretches(open, view.domain, side, near).into_iter();
+            let stretches = stretches(open, view.domain, side, near, fit).into_iter();
             for s in stretches.filter(|s| !open.is_loose || is_between(s, &both)) {
                 let is_near = near
                     .iter()
@@ -164,39 +165,74 @@ fn keep_whole_corners(all: &mut [(Stretch, bool)]) {
 struct Crossing {
     along_m: f64,
     edge: usize,
-    /// True if the hole lies towards larger coordinates.
-    opens_upward: bool,
+    /// How many more holes lie on the line behind it than before it.
+    opened: i32,
+}
+
+/// Crossings with those closer than `reach_m` taken as one where together they open or close: where borders that share no
+/// vertices meet in a corner, both and the stub between them cross the line within decimetres, the stub backwards. Such a
+/// group counts where the hole beyond it begins, and with an edge that opens or closes as the group does.
+fn merged(crossings: &[Crossing], reach_m: f64) -> Vec<Crossing> {
+    let mut rest = crossings;
+    let mut found = Vec::new();
+    while let Some(first) = rest.first() {
+        let count = rest.partition_point(|c| c.along_m < first.along_m + reach_m);
+        let (group, behind) = rest.split_at(count);
+        let opened: i32 = group.iter().map(|c| c.opened).sum();
+        let alike = |c: &&Crossing| c.opened.signum() == opened.signum();
+        let (end, chosen) = match opened.signum() {
+            1 => (group.last(), group.iter().rfind(alike)),
+            -1 => (group.first(), group.iter().find(alike)),
+            _ => (None, None),
+        };
+        match (end, chosen) {
+            (Some(end), Some(chosen)) => {
+                found.push(Crossing { along_m: end.along_m, edge: chosen.edge, opened });
+            }
+            _ => found.extend(group),
+        }
+        rest = behind;
+    }
+    found
 }
 
 /// The stretches of a border between its two corners that lie inside holes.
-fn stretches(open: &OpenEdges, domain: &Domain, side: Side, pieces: &[&SidePiece]) -> Vec<Stretch> {
+///
+/// Each crossing counts: on the line lie as many holes over one another as opened and did not close again.
+fn stretches(
+    open: &OpenEdges,
+    domain: &Domain,
+    side: Side,
+    pieces: &[&SidePiece],
+    fit: &BorderFit,
+) -> Vec<Stretch> {
     let cell = domain.cell;
     let line = domain.side(side).line;
     let last = if side == Side::South { Side::South } else { Side::North };
     let corners = [cell.corner_after(Side::West), cell.corner_after(last)];
     let [low_m, high_m] = [Side::West, last].map(|s| side.along(domain.corner_after(s)));
-    let crossings = crossings(open, side, line, [2.0 * low_m - high_m, 2.0 * high_m - low_m]);
+    let mut crossings = crossings(open, side, line, [2.0 * low_m - high_m, 2.0 * high_m - low_m]);
+    if open.is_loose {
+        crossings = merged(&crossings, LONGEST_STUB_EDGES * fit.edge_m);
+    }
     let before = crossings.partition_point(|c| c.along_m < low_m);
     let middle_is_open = || {
         let middle_m = (low_m + high_m) / 2.0;
         let over = |p: &&&SidePiece| p.low_m < middle_m && p.high_m > middle_m;
         pieces.iter().filter(over).count() == 2
     };
-    let starts_open = match (before.checked_sub(1), crossings.get(before)) {
-        (Some(k), _) => crossings[k].opens_upward,
-        (None, Some(next)) => !next.opens_upward,
-        (None, None) => middle_is_open(),
-    };
+    // What the first crossing closes was open before it.
+    let first_depth = crossings.first().map_or(i32::from(middle_is_open()), |c| (-c.opened).max(0));
+    let mut depth = crossings[..before].iter().fold(first_depth, |depth, c| (depth + c.opened).max(0));
     let mut found = Vec::new();
-    let mut start = starts_open.then_some(StretchEnd { along_m: low_m, at: EndKind::Corner(corners[0]) });
+    let mut start = (depth > 0).then_some(StretchEnd { along_m: low_m, at: EndKind::Corner(corners[0]) });
     for c in crossings[before..].iter().take_while(|c| c.along_m < high_m) {
         let end = StretchEnd { along_m: c.along_m, at: EndKind::Edge(c.edge) };
-        match (c.opens_upward, start.take()) {
-            (true, None) => start = Some(end),
-            // Out of order: the first one counts.
-            (true, Some(s)) => start = Some(s),
-            (false, Some(s)) => found.push(Stretch { cell, side, line, ends: [s, end] }),
-            (false, None) => {}
+        depth = (depth + c.opened).max(0);
+        if depth > 0 {
+            start.get_or_insert(end);
+        } else if let Some(s) = start.take() {
+            found.push(Stretch { cell, side, line, ends: [s, end] });
         }
     }
     if let Some(s) = start {
@@ -219,7 +255,8 @@ fn crossings(open: &OpenEdges, side: Side, line: f64, [low_m, high_m]: [f64; 2])
                 return None;
             }
             let along_m = side.along(a) + from / (from - to) * (side.along(b) - side.along(a));
-            Some(Crossing { along_m, edge, opens_upward: (b - a).perp().dot(up) > 0.0 })
+            let opened = if (b - a).perp().dot(up) > 0.0 { 1 } else { -1 };
+            Some(Crossing { along_m, edge, opened })
         })
         .collect();
     found.sort_by(|x, y| x.along_m.total_cmp(&y.along_m).then(x.edge.cmp(&y.edge)));
